@@ -375,7 +375,7 @@ namespace case_io_test {
             }
             EXPECT_EQ(read.supports.labels, written.supports.labels);
             EXPECT_EQ(read.views, written.views);
-            ASSERT_EQ(read.approaches.size(), 2u);
+            ASSERT_EQ(read.approaches.size(), 3u);
             expect_equal(read.approaches[0], written.approaches[0]);
             expect_equal(read.approaches[1], written.approaches[1]);
             EXPECT_EQ(case_to_json(read), case_to_json(written));
@@ -677,15 +677,15 @@ namespace case_io_test {
     {
         Case c = sample();
         EXPECT_THROW(add_approach(c, approach("first")), InputError);
-        Approach lost = approach("third");
+        Approach lost = approach("fourth");
         lost.target.label = "spleen";
         EXPECT_THROW(add_approach(c, lost), InputError);
-        EXPECT_EQ(c.approaches.size(), 2u);
+        EXPECT_EQ(c.approaches.size(), 3u);
         set_hooks(c, "second", "2", 40.0);
         EXPECT_EQ(find_approach(c, "second").hooks.size(), 2u);
-        EXPECT_THROW(set_hooks(c, "third", "2", 40.0), InputError);
+        EXPECT_THROW(set_hooks(c, "fourth", "2", 40.0), InputError);
         remove_approach(c, "first");
-        ASSERT_EQ(c.approaches.size(), 1u);
+        ASSERT_EQ(c.approaches.size(), 2u);
         EXPECT_EQ(c.approaches[0].name, "second");
         EXPECT_THROW(remove_approach(c, "first"), InputError);
     }

@@ -12,7 +12,6 @@
 #include "mesh/base/text_format.h"
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/approach/space_division.h"
-#include "planner/case/case_io.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/plan.h"
 #include "planner/wall/parted_bones.h"
@@ -157,11 +156,10 @@ namespace {
         return goal;
     }
 
-    /// The case with only the chosen approach, or with all. Options that contradict each other are refused before the
+    /// The case of the file with only the chosen approach, or with all, as the options change it. Options that contradict each other are refused before the
     /// patient is read.
-    planner::Case chosen_case(const PlanOptions& options)
+    planner::Case chosen_case(const PlanOptions& options, planner::Case planned_case)
     {
-        planner::Case planned_case = open_case(options.case_file);
         refuse_without_wall(planned_case, options.case_file);
         if (!options.approach.empty())
             planned_case.approaches = { planner::find_approach(planned_case, options.approach) };
@@ -226,7 +224,8 @@ namespace {
     /// The common beginning of plan and render. Wrong options are refused before the long work.
     struct PlannedCase {
         PlannedCase(const PlanOptions& options, Rounds rounds, const Job& job)
-            : patient(chosen_case(options), job)
+            : in_file(open_case(options.case_file))
+            , patient(chosen_case(options, in_file), job)
             , request(picture_request(options, patient.planned_case()))
             , checks(checks_of(options, rounds, patient.planned_case()))
             , folder(options.out)
@@ -237,6 +236,7 @@ namespace {
                 : DrawnFields { .fields = plan_all(patient, job, checks), .saved = {}, .remarks = {} };
             refuse_if_cancelled(job);
         }
+        planner::Case in_file; ///< without the options' changes
         planner::Patient patient;
         PictureRequest request;
         planner::PlanChecks checks;
@@ -291,9 +291,8 @@ namespace {
         // Missing programs and wrong options are reported before the long work.
         const fs::path ccx = options.reference.empty() ? fs::path() : find_calculix();
         const std::vector<std::string> formats = export_formats(options);
-        const planner::Case in_file = planner::read_case(options.case_file, { .verify_checksums = false });
         PlannedCase planned(options, Rounds::to_accuracy, job);
-        auto& [patient, request, checks, folder, made, drawn] = planned;
+        auto& [in_file, patient, request, checks, folder, made, drawn] = planned;
         std::vector<planner::PlannedField>& fields = drawn.fields;
         const planner::Provenance computed = provenance_now(patient.planned_case());
         StagedResults staged(folder);
@@ -348,7 +347,7 @@ namespace {
     Outcome render_fields_of(const PlanOptions& options, const Job& job)
     {
         PlannedCase planned(options, Rounds::one, job);
-        auto& [patient, request, checks, folder, made, drawn] = planned;
+        auto& [in_file, patient, request, checks, folder, made, drawn] = planned;
         std::vector<planner::PlannedField>& fields = drawn.fields;
         const std::vector<planner::ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
         refuse_if_cancelled(job);
@@ -369,7 +368,7 @@ namespace {
     /// Renders the slices of approaches, which need no plan.
     Outcome render_slices_of(const PlanOptions& options, const Job& job)
     {
-        planner::Patient patient(chosen_case(options), job);
+        planner::Patient patient(chosen_case(options, open_case(options.case_file)), job);
         const PictureRequest request = picture_request(options, patient.planned_case());
         if (!patient.has_ct())
             throw InputError("slices need a CT, and the case has none", options.case_file + "#/ct");

@@ -64,7 +64,7 @@ namespace {
     // Ambient occlusion: where surfaces within this distance shade a place, it is darker. The depth of a wound is then
     // seen in a still picture.
     constexpr double kShadeReachMm = 40.0, kShadeBiasMm = 1.0;
-    constexpr unsigned kShadeSamples = 128;
+    constexpr unsigned kShadeSamples = 32;
 
     /// Scenes of surfaces in full quality are shaded; slices, volumes and pictures of identifiers have no light.
     bool has_shaded_hollows(const Scene& scene, DrawingQuality quality)

@@ -56,6 +56,8 @@ endif()
 
 # ---- Debian packages ----
 set(CPACK_GENERATOR DEB)
+# gzip makes packages a quarter larger than xz, in a third of the time.
+set(CPACK_DEBIAN_COMPRESSION_TYPE gzip)
 set(CPACK_PACKAGE_NAME retractor)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_CONTACT "${RETRACTOR_MAINTAINER}")

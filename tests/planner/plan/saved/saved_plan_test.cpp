@@ -27,8 +27,8 @@ namespace saved_plan_test {
     };
 
     /// A block that a retractor opens.
-    /// @param whole with all that a plan computes; otherwise opened and measured only, in a quarter of the time
-    Planned plan_block(bool whole)
+    /// @param plans false: the field only looks as if it had been planned
+    Planned plan_block(bool plans)
     {
         const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
         Case planned_case = test_support::block_case("saved_plan", phantom);
@@ -41,18 +41,22 @@ namespace saved_plan_test {
         approach.name = "straight";
         approach.hooks.clear();
         approach.sizing.region_mm = 30.0;
-        if (!whole)
-            approach.sizing.corridor_edge_mm = approach.sizing.coarse_edge_mm;
         RetractorKind kind = find_retractor(built_in_retractors(), "midcab");
         kind.blade_width_mm = 20.0;
         approach.retractor = make_retractor(approach, kind, { .opening_mm = 6.0 });
         approach.retractor->hold = HookHold::fixed;
         planned_case.approaches = { approach };
+        if (!plans) {
+            PlannedField field;
+            field.approach = approach;
+            field.metrics.name = approach.name;
+            return { planned_case, field };
+        }
         Patient patient(planned_case, {});
-        return { planned_case, plan_approach(patient, approach, {}, { .error_bars = whole }) };
+        return { planned_case, plan_approach(patient, approach, {}) };
     }
 
-    /// A plan that is made once for all tests; each test has a folder of its own.
+    /// A field that is made once for all tests; each test has a folder of its own.
     class SavedPlan : public testing::Test {
     protected:
         static const Planned& planned()

@@ -44,9 +44,7 @@ namespace {
             if (!organ.labels.empty())
                 part.labels.push_back(organ.labels[t]);
         }
-        part.vertices.resize(static_cast<Eigen::Index>(used.size()), 3);
-        for (std::size_t v = 0; v < used.size(); ++v)
-            part.vertices.row(static_cast<Eigen::Index>(v)) = organ.vertices.row(used[v]);
+        part.vertices = organ.vertices(used, Eigen::all);
         return part;
     }
 

@@ -66,7 +66,8 @@ protected:
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command : { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan",
-             "render", "compare", "demo", "doctor", "palpable", "palpate", "relay", "train", "train expert", "train test", "train report" }) {
+             "render", "compare", "demo", "doctor", "palpable", "palpate", "relay", "train", "train expert",
+             "train test", "train report" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;

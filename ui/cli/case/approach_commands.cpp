@@ -412,7 +412,9 @@ namespace {
         CLI::Option* points = add_command->add_option("--points", options->points,
             "Points of the incision, x,y,z (mm, patient LPS) on or near the skin, in cutting order");
         add_command
-            ->add_option("--target", options->target, "Target to see: a label; a site on one, SITE:LABEL:x,y,z,r, such as \"anastomosis site:heart:31,-20,140,8\"; or a sphere x,y,z,r (mm, patient LPS)")
+            ->add_option("--target", options->target, 
+                "Target to see: a label; a site on one, SITE:LABEL:x,y,z,r, such as "
+                "\"anastomosis site:heart:31,-20,140,8\"; or a sphere x,y,z,r (mm, patient LPS)")
             ->required();
         add_command->add_option("--name", options->name, "Name of the approach (default: the template's)");
         add_command->add_option("--length", options->length_mm, "Length of the incision, mm (default: the template's)")

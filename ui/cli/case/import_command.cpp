@@ -301,8 +301,7 @@ void add_import_command(Commands& commands)
         "has; each is recorded in metrics.json. Without this option, such input is refused as a slip of units");
     command->add_flag("--accept-labels", options->accept_labels,
         "Import labels of which most lie outside the CT, or do not show what the CT shows. Without this option they "
-        "are "
-        "refused as another patient's");
+        "are refused as another patient's");
     command->add_flag(
         "!--no-contact-sheet", options->contact_sheet, "Do not draw the picture of the images beside the case file");
     command->add_option("--out", options->out,

@@ -156,8 +156,8 @@ namespace {
         return goal;
     }
 
-    /// The case of the file with only the chosen approach, or with all, as the options change it. Options that contradict each other are refused before the
-    /// patient is read.
+    /// The case of the file with only the chosen approach, or with all, as the options change it. Options that
+    /// contradict each other are refused before the patient is read.
     planner::Case chosen_case(const PlanOptions& options, planner::Case planned_case)
     {
         refuse_without_wall(planned_case, options.case_file);

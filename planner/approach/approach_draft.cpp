@@ -134,14 +134,20 @@ Approach with_incision_through(Patient& patient, const Approach& approach, const
     request.target = approach.target;
     request.sizing = approach.sizing;
     request.view = approach.view;
-    const Approach placed = approach_from_points(*patient.labels(), points, request).approach;
+    Approach placed = approach_from_points(*patient.labels(), points, request).approach;
+    placed.rationale = "Incision moved by hand. " + placed.rationale;
+    return with_incision_of(approach, placed);
+}
+
+Approach with_incision_of(const Approach& approach, const Approach& placed)
+{
     Approach moved = approach;
     moved.incision = placed.incision;
     moved.directions = placed.directions;
     moved.depth_mm = placed.depth_mm;
     moved.wall_thickness_mm = placed.wall_thickness_mm;
     moved.hook_depth_mm = placed.hook_depth_mm;
-    moved.rationale = "Incision moved by hand. " + placed.rationale;
+    moved.rationale = placed.rationale;
     if (moved.retractor) {
         moved.retractor->along_mm = 0.5 * incision_length(moved);
         static_cast<void>(blades_of(moved)); // refuses a wall that is too thin

@@ -49,6 +49,11 @@ Approach opened_by(Approach approach, const OpenedBy& opening);
 /// placed by a template
 Approach with_incision_through(Patient& patient, const Approach& approach, const std::vector<Vec3>& points);
 
+/// The same approach with the incision, blade and wall of another, and with its rationale. Target, organs, division,
+/// views and settings stay; hooks and retractor are placed anew.
+/// @throws InputError where hooks or blades do not fit, and where hooks were not placed by a template
+Approach with_incision_of(const Approach& approach, const Approach& placed);
+
 /// The same approach with another target. An organ that is operated on is not held aside, and what the rationale says
 /// of the old target goes.
 Approach with_target(Approach approach, TargetSpec target);

@@ -432,6 +432,7 @@ namespace {
         bool left = true;
         std::vector<int> spaces; ///< candidates; the space nearest to the target is taken
         double length_mm = 0.0;
+        double shift_mm = 0.0; ///< of the centre, towards the front
         double centre_deg = -1.0; ///< negative: nearest to the target
         double from_deg = 0.0, to_deg = 360.0; ///< allowed range of the incision on the chest
         std::string words; ///< description of the template
@@ -454,7 +455,7 @@ namespace {
         mark_covered(probe.labels(), nodes);
         const bool faces = plan.centre_deg < 0.0;
         const double centre = faces ? nearest_to(nodes, target).second : along_at_angle(nodes, plan.centre_deg);
-        const Window window = window_in(nodes, centre, plan.length_mm, plan.from_deg, plan.to_deg);
+        const Window window = window_in(nodes, centre + plan.shift_mm, plan.length_mm, plan.from_deg, plan.to_deg);
         sample_window(probe, nodes, window, approach);
         const std::size_t omitted = measure_wall(probe, approach);
         const std::string name = space_name(plan.left, space);
@@ -467,6 +468,9 @@ namespace {
             + (faces
                     ? (window.slid ? ", as far as the shoulder blade, the back muscles and the ribs' ends allow." : ".")
                     : "")
+            + (plan.shift_mm != 0.0 ? " It is moved along the space by " + in_words(std::abs(plan.shift_mm))
+                        + " mm towards the " + (plan.shift_mm > 0.0 ? "front." : "back.")
+                                    : "")
             + room + wall_words(approach, omitted);
     }
 
@@ -478,6 +482,7 @@ namespace {
             return { .left = true,
                 .spaces = { parsed.space > 0 ? parsed.space : 6 },
                 .length_mm = length(160.0),
+                .shift_mm = request.shift_mm,
                 .from_deg = 35.0, // lateral to the long muscles of the back
                 .to_deg = 135.0,
                 .words = "Left posterolateral thoracotomy for the distal arch and the descending aorta." };
@@ -485,12 +490,14 @@ namespace {
             return { .left = true,
                 .spaces = parsed.space > 0 ? std::vector { parsed.space } : std::vector { 4, 5 },
                 .length_mm = length(70.0),
+                .shift_mm = request.shift_mm,
                 .from_deg = 95.0,
                 .to_deg = 163.0, // the internal thoracic artery runs beside the sternum
                 .words = "MIDCAB: left anterior mini-thoracotomy." };
         return { .left = request.left,
             .spaces = { parsed.space },
             .length_mm = length(170.0),
+            .shift_mm = request.shift_mm,
             .centre_deg = 95.0,
             .from_deg = 35.0,
             .words = "Lateral thoracotomy, centred just in front of the mid-axillary line." };

@@ -30,6 +30,8 @@ struct ApproachRequest {
     TargetSpec target;
     bool left = true; ///< side of an intercostal approach; the other templates have a fixed side
     double length_mm = 0.0; ///< length of the incision; 0: the template's own length
+    /// Distance along the space from the template's own place, towards the front; templates between ribs only.
+    double shift_mm = 0.0;
     std::optional<DivisionExtent> division {}; ///< not set: the template's own; points divide the skin's length
     SizingSpec sizing;
     ViewSpec view;

@@ -3,6 +3,7 @@
 #include "planner/measures/volume_failures.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace retractor::planner {
@@ -22,14 +23,9 @@ namespace {
         }
         if (metric.better == 0 || candidates < 2)
             return std::nullopt;
-        const std::optional<double> own = error_bar(metric, fields[*best]);
-        for (std::size_t i = 0; i < fields.size(); ++i) {
-            if (!is_solved(fields[i]) || i == *best)
-                continue;
-            const std::optional<double> other = error_bar(metric, fields[i]);
-            if (!own || !other || !((metric.of(fields[*best]) - metric.of(fields[i])) * metric.better > *own + *other))
+        for (std::size_t i = 0; i < fields.size(); ++i)
+            if (is_solved(fields[i]) && i != *best && lead_over(metric, fields[*best], fields[i]) <= 0)
                 return std::nullopt;
-        }
         return best;
     }
 
@@ -82,6 +78,15 @@ std::vector<ComparedMeasure> compared_measures(const std::vector<FieldMetrics>& 
         measures.push_back(std::move(measure));
     }
     return measures;
+}
+
+int lead_over(const MetricField& metric, const FieldMetrics& first, const FieldMetrics& second)
+{
+    const std::optional<double> own = error_bar(metric, first), other = error_bar(metric, second);
+    if (!own || !other || !is_solved(first) || !is_solved(second))
+        return 0;
+    const double lead = (metric.of(first) - metric.of(second)) * metric.better;
+    return std::abs(lead) > *own + *other ? (lead > 0.0 ? 1 : -1) : 0;
 }
 
 bool have_one_target(const std::vector<FieldMetrics>& fields)

@@ -42,6 +42,10 @@ struct ComparedMeasure {
 /// targets none leads in what is seen.
 std::vector<ComparedMeasure> compared_measures(const std::vector<FieldMetrics>& fields);
 
+/// +1 where the first field is better than the second by more than both error bars together, -1 where it is worse; 0
+/// within the error, where the error is unknown, and where a field was not solved (is_solved()).
+int lead_over(const MetricField& metric, const FieldMetrics& first, const FieldMetrics& second);
+
 /// Whether all fields have the same target, at the same place.
 bool have_one_target(const std::vector<FieldMetrics>& fields);
 

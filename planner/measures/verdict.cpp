@@ -22,13 +22,6 @@ namespace {
     constexpr double kNearBreaking = 0.7; ///< utilisation; the capacities of tested ribs vary by about a third
     constexpr double kWideInterval = 0.5; ///< half of the interval over the force: its first digit is in doubt
 
-    std::string capital(std::string text)
-    {
-        if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
-            text[0] = static_cast<char>(text[0] - 'a' + 'A');
-        return text;
-    }
-
     /// A sentence with what it means for the light.
     struct Said {
         Light light = Light::clear;
@@ -153,6 +146,13 @@ std::string_view to_string(Light light)
         break;
     }
     return "unknown";
+}
+
+std::string capital(std::string text)
+{
+    if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
+        text[0] = static_cast<char>(text[0] - 'a' + 'A');
+    return text;
 }
 
 std::string two_digits(double value)

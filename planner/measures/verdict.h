@@ -38,6 +38,9 @@ struct ForceInterval {
 };
 ForceInterval force_interval(const FieldMetrics& field);
 
+/// The text with a capital letter first.
+std::string capital(std::string text);
+
 /// "0.34" as 34, "1234" as 1200: two significant digits, and no digits behind the point from 10 on.
 std::string two_digits(double value);
 

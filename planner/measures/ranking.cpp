@@ -1,0 +1,225 @@
+#include "planner/measures/ranking.h"
+
+#include "mesh/base/assert.h"
+#include "mesh/base/text_format.h"
+#include "planner/measures/ball_strain.h"
+#include "planner/measures/bones/bone_limits.h"
+#include "planner/measures/comparison.h"
+#include "planner/measures/metric_table.h"
+#include "planner/measures/risk_distances.h"
+#include "planner/measures/rupture.h"
+#include "planner/measures/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace retractor::planner {
+
+namespace {
+
+    double bar_of(const char* key, const Candidate& candidate)
+    {
+        return error_bar(metric_field(key), candidate.field).value_or(0.0);
+    }
+
+    double bone_load(const Candidate& candidate)
+    {
+        double load = candidate.divided_bones.empty() ? 0.0 : 1.0;
+        for (const BoneMetrics& bone : candidate.field.bones)
+            load = std::max(load, std::min(bone.utilisation, 1.0));
+        return load;
+    }
+
+    double nearest_risk(const Candidate& candidate)
+    {
+        double nearest = kFarthestRiskMm;
+        for (const auto* risks : { &candidate.field.at_risk, &candidate.field.steel_at_risk })
+            for (const RiskDistance& risk : *risks)
+                nearest = std::min(nearest, risk.distance_mm);
+        return nearest;
+    }
+
+    double peak_force(const Candidate& candidate)
+    {
+        const FieldMetrics& field = candidate.field;
+        return field.force_moments && field.force_moments->message.empty() ? field.force_moments->peak_N
+                                                                           : field.hook_force_N;
+    }
+
+    constexpr auto kNoBar = [](const Candidate&) { return 0.0; };
+
+    constexpr std::array<Criterion, kCriteria> kAllCriteria { {
+        { .key = "seen",
+            .caption = "target seen",
+            .meaning = "share of the target that the best eye sees, 0 to 100 %",
+            .weight = 3.0,
+            .exposure = true,
+            .value = [](const Candidate& one) { return one.field.seen_best_eye; },
+            .bar = [](const Candidate& one) { return bar_of("seen_best_eye", one); } },
+        { .key = "instruments",
+            .caption = "reached by instruments",
+            .meaning = "share that is seen and reached by two instruments, 0 to 100 %",
+            .weight = 2.0,
+            .exposure = true,
+            .value = [](const Candidate& one) { return one.field.reached_by_two_instruments; },
+            .bar = [](const Candidate& one) { return bar_of("reached_by_two_instruments", one); } },
+        { .key = "angle",
+            .caption = "straight view",
+            .meaning = "angle between the best line of sight and the straight view into the opening, 60 to 0 degrees",
+            .worst = 60.0,
+            .best = 0.0,
+            .exposure = true,
+            .value = [](const Candidate& one) { return one.field.coaxiality_deg; },
+            .bar = kNoBar },
+        { .key = "incision",
+            .caption = "short incision",
+            .meaning = "length of the incision, 300 to 30 mm",
+            .worst = 300.0,
+            .best = 30.0,
+            .value = [](const Candidate& one) { return one.field.incision_length_mm; },
+            .bar = kNoBar },
+        { .key = "bone",
+            .caption = "bone spared",
+            .meaning = "a bone that is sawn through or breaks counts 1, else the largest share of what a bone bears: "
+                       "1 to 0",
+            .worst = 1.0,
+            .best = 0.0,
+            .weight = 2.0,
+            .value = bone_load,
+            .bar = kNoBar },
+        { .key = "risk",
+            .caption = "structures far",
+            .meaning = "distance of the nearest structure at risk from the blades, 0 to 20 mm",
+            .worst = 0.0,
+            .best = 20.0,
+            .weight = 2.0,
+            .value = nearest_risk,
+            .bar = kNoBar },
+        { .key = "force",
+            .caption = "low force",
+            .meaning = "force at the last turn, from twice the smallest force at which tissue ruptured (122.5 N) to 0",
+            .worst = 2.0 * kRuptureForceN,
+            .best = 0.0,
+            .value = peak_force,
+            .bar = [](const Candidate& one) { return bar_of("hook_force_N", one); } },
+    } };
+
+    bool beats(const Score& one, const Score& other, const Weights& weights)
+    {
+        bool better = false;
+        for (std::size_t n = 0; n < kCriteria; ++n) {
+            if (!(weights[n] > 0.0))
+                continue;
+            if (one.shares[n] < other.shares[n])
+                return false;
+            better = better || one.shares[n] > other.shares[n];
+        }
+        return better;
+    }
+
+    std::string risk_sentence(const RiskDistance& risk)
+    {
+        constexpr double kTouchingMm = 2.0; // about a voxel, to which the distance is known
+        const std::string structure = "The " + readable(risk.name);
+        if (risk.from.empty() && !(risk.distance_mm > 0.0))
+            return structure + " is cut.";
+        if (!risk.from.empty() && risk.distance_mm < kTouchingMm)
+            return structure + " lies against the " + readable(risk.from) + ".";
+        return structure + " lies " + two_digits(risk.distance_mm) + " mm from the "
+            + (risk.from.empty() ? "blade that cuts" : readable(risk.from)) + ".";
+    }
+
+} // namespace
+
+std::span<const Criterion, kCriteria> criteria() { return kAllCriteria; }
+
+Weights default_weights()
+{
+    Weights weights {};
+    std::transform(kAllCriteria.begin(), kAllCriteria.end(), weights.begin(),
+        [](const Criterion& criterion) { return criterion.weight; });
+    return weights;
+}
+
+double share_of(const Criterion& criterion, double value)
+{
+    return std::clamp((value - criterion.worst) / (criterion.best - criterion.worst), 0.0, 1.0);
+}
+
+Score score_of(const Candidate& candidate, const Weights& weights)
+{
+    Score score;
+    double sum = 0.0, bars = 0.0;
+    for (std::size_t n = 0; n < kCriteria; ++n) {
+        RETRACTOR_ASSERT(std::isfinite(weights[n]) && weights[n] >= 0.0);
+        const Criterion& criterion = kAllCriteria[n];
+        const double value = criterion.value(candidate), bar = criterion.bar(candidate);
+        score.shares[n] = share_of(criterion, value);
+        // A value beyond its worst or best counts as these; what its bar leaves of the share is its error.
+        const double error = std::max(std::abs(share_of(criterion, value + bar) - score.shares[n]),
+            std::abs(share_of(criterion, value - bar) - score.shares[n]));
+        score.points += 100.0 * weights[n] * score.shares[n];
+        bars += 100.0 * weights[n] * error;
+        sum += weights[n];
+    }
+    RETRACTOR_ASSERT(sum > 0.0);
+    score.points /= sum;
+    if (has_error_bars(candidate.field))
+        score.bar = bars / sum;
+    return score;
+}
+
+std::vector<RankedField> ranked(std::span<const Candidate> candidates, const Weights& weights)
+{
+    std::vector<RankedField> order;
+    for (std::size_t n = 0; n < candidates.size(); ++n)
+        if (is_solved(candidates[n].field))
+            order.push_back({ .index = n, .score = score_of(candidates[n], weights) });
+    std::stable_sort(order.begin(), order.end(),
+        [](const RankedField& a, const RankedField& b) { return a.score.points > b.score.points; });
+    for (std::size_t n = 0; n < order.size(); ++n) {
+        if (n > 0) {
+            const Score &above = order[n - 1].score, &own = order[n].score;
+            order[n].within_error = !above.bar || !own.bar || above.points - own.points <= *above.bar + *own.bar;
+        }
+        for (const RankedField& other : order)
+            if (beats(other.score, order[n].score, weights)) {
+                order[n].beaten_by = other.index;
+                break;
+            }
+    }
+    return order;
+}
+
+std::vector<std::string> crisis_check(const Candidate& candidate)
+{
+    const FieldMetrics& field = candidate.field;
+    std::vector<std::string> sentences;
+    std::vector<RiskDistance> risks = field.at_risk;
+    risks.insert(risks.end(), field.steel_at_risk.begin(), field.steel_at_risk.end());
+    for (const RiskDistance& risk : nearest_risks(std::move(risks)))
+        if (risk.distance_mm <= kCrisisMm)
+            sentences.push_back(risk_sentence(risk));
+    for (const std::string& bone : candidate.divided_bones)
+        sentences.push_back(capital(bone_in_words(bone)) + " is sawn through.");
+    for (const BoneMetrics& bone : field.bones)
+        if (bone.opening_at_limit_mm)
+            sentences.push_back(capital(bone_in_words(bone.name)) + " would break from "
+                + two_digits(*bone.opening_at_limit_mm) + " mm on.");
+    for (const TissueStrain& tissue : field.tissue_strain)
+        if (may_tear(tissue))
+            sentences.push_back(
+                "The " + readable(tissue.tissue) + (would_tear(tissue) ? " would tear." : " may tear."));
+    if (may_rupture(field))
+        sentences.push_back("Tissue ruptured in half of such retractions in pigs.");
+    if (!field.retracted.empty()) {
+        std::vector<std::string> organs;
+        std::transform(field.retracted.begin(), field.retracted.end(), std::back_inserter(organs), readable);
+        sentences.push_back("Held aside for this view: " + joined(organs) + ".");
+    }
+    return sentences;
+}
+
+} // namespace retractor::planner

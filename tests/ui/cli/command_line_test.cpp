@@ -65,9 +65,9 @@ protected:
 
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
-    for (const char* command : { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan",
-             "render", "compare", "demo", "doctor", "palpable", "palpate", "relay", "train", "train expert",
-             "train test", "train report" }) {
+    for (const char* command :
+        { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan", "render", "compare", "demo",
+            "doctor", "palpable", "palpate", "relay", "train", "train expert", "train test", "train report" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -288,8 +288,8 @@ TEST_F(CommandLine, SavedPlansAreDrawnAndComparedWithoutPlanningAgain)
     EXPECT_FALSE(fs::exists(saved / "plans")) << "an option changed these plans";
     const CommandRun plan = run("plan " + file + " --render --out " + out("saved_plan"));
     ASSERT_EQ(plan.exit_code, 0) << plan.out;
-    EXPECT_NE(plan.out.find("saved with the case, for retractor render and the window: straight, wider"),
-        std::string::npos)
+    EXPECT_NE(
+        plan.out.find("saved with the case, for retractor render and the window: straight, wider"), std::string::npos)
         << plan.out;
     const CommandRun render
         = run("--json --profile render " + file + " --views surgeon,overview --out " + out("saved_render"));
@@ -307,8 +307,19 @@ TEST_F(CommandLine, SavedPlansAreDrawnAndComparedWithoutPlanningAgain)
     ASSERT_EQ(compared.exit_code, 0) << compared.out;
     EXPECT_NE(compared.out.find("A  straight: "), std::string::npos) << compared.out;
     EXPECT_NE(compared.out.find("Target seen, best eye"), std::string::npos) << compared.out;
+    EXPECT_NE(compared.out.find("Score of 100 points (weights: seen 3, "), std::string::npos) << compared.out;
     const Json document = run("--json compare " + file).json();
     EXPECT_EQ(document.at("approaches").size(), 2u);
+    EXPECT_EQ(document.at("ranking").size(), 2u);
+    const Json seen_only
+        = run("--json compare " + file + " --weights seen=1,instruments=0,angle=0,incision=0,bone=0,risk=0,force=0")
+              .json();
+    for (const Json& row : seen_only.at("ranking"))
+        EXPECT_NEAR(row.at("points").get<double>(), 100.0 * row.at("shares").at("seen").get<double>(), 1e-9);
+    for (const char* wrong : { "--weights beauty=1", "--weights seen", "--weights seen=-1", "--weights seen=nan",
+             "--weights seen=0,instruments=0,angle=0,incision=0,bone=0,risk=0,force=0", "--draft",
+             "--neighbours --approach nobody" })
+        EXPECT_EQ(run("compare " + file + " " + wrong).exit_code, 2) << wrong;
     std::ifstream metrics(fs::path(out("saved_plan")) / "metrics.json");
     const Json fields = Json::parse(metrics).at("approaches");
     for (const Json& row : document.at("measures")) {
@@ -317,6 +328,17 @@ TEST_F(CommandLine, SavedPlansAreDrawnAndComparedWithoutPlanningAgain)
         for (std::size_t n = 0; n < 2; ++n)
             EXPECT_EQ(row.at("values").at(n), fields.at(n).at("seen_best_eye"));
     }
+    // The block has no ribs, so that neighbours lie along the incision only.
+    const CommandRun beside = run("--json compare " + file + " --neighbours --approach wider --draft --keep");
+    ASSERT_EQ(beside.exit_code, 0) << beside.out;
+    const Json group = beside.json().at("neighbours").at(0);
+    EXPECT_EQ(group.at("of"), "wider");
+    EXPECT_EQ(group.at("approaches").size() + group.at("missing").size(), 3u);
+    EXPECT_GE(group.at("approaches").size(), 2u);
+    EXPECT_TRUE(group.at("ranking").at(0).at("bar").is_null()) << "a draft has no error bars";
+    EXPECT_NE(
+        run("approach list " + file).out.find(beside.json().at("kept").at(0).get<std::string>()), std::string::npos);
+
     ASSERT_EQ(run("approach remove " + file + " --name straight").exit_code, 0);
     ASSERT_EQ(run("hooks " + file + " --approach wider --template 2 --opening 22").exit_code, 0);
     EXPECT_EQ(run("compare " + file).exit_code, 2) << "no plan is of what the case holds now";

@@ -3,147 +3,232 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/approach/approach_draft.h"
-#include "planner/measures/comparison.h"
-#include "planner/measures/verdict.h"
+#include "planner/approach/divided_bones.h"
+#include "planner/approach/neighbour_approaches.h"
+#include "planner/case/case_io.h"
+#include "planner/case/patient.h"
 #include "planner/plan/saved/saved_plan.h"
 #include "ui/cli/framework/open_case.h"
+#include "ui/cli/framework/out_folder.h"
+#include "ui/cli/plan/comparison_text.h"
+#include "ui/cli/plan/field_files.h"
+#include "ui/cli/plan/saved_plans.h"
 
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace retractor::ui::cli {
 
 namespace {
 
-    struct Compared {
-        std::vector<planner::FieldMetrics> fields; ///< of the planned approaches
-        std::vector<std::string> names; ///< as surgeons say them
-        std::vector<std::string> unplanned;
+    struct CompareOptions {
+        std::string case_file, approach;
+        std::vector<std::string> weights;
+        bool neighbours = false;
+        bool draft = false;
+        bool keep = false;
     };
 
-    Compared saved_fields(const planner::Case& planned_case)
+    ComparedField compared(
+        planner::Patient& patient, planner::FieldMetrics metrics, const planner::Approach& approach, std::string name)
     {
-        Compared compared;
+        return { .candidate
+            = { .field = std::move(metrics), .divided_bones = planner::divided_bones(*patient.labels(), approach) },
+            .name = std::move(name) };
+    }
+
+    // ---- approaches of the case ------------------------------------------------------------------------------------
+
+    Outcome compare_saved(const planner::Case& planned_case, const CompareOptions& options,
+        const planner::Weights& weights, const Job& job)
+    {
+        planner::Patient patient(planned_case, job);
+        std::vector<ComparedField> fields;
+        std::vector<std::string> unplanned;
         for (const planner::Approach& approach : planned_case.approaches) {
-            std::optional<planner::SavedPlan> saved;
             std::string why;
             try {
-                saved = planner::read_saved_plan(planned_case, approach.name);
+                if (auto saved = planner::read_saved_plan(planned_case, approach.name)) {
+                    fields.push_back(
+                        compared(patient, std::move(saved->field.metrics), approach, planner::spoken_name(approach)));
+                    continue;
+                }
             } catch (const Error& error) {
                 why = std::string(" (") + error.what() + ")";
             }
-            if (!saved) {
-                compared.unplanned.push_back(approach.name + why);
-                continue;
-            }
-            compared.fields.push_back(std::move(saved->field.metrics));
-            compared.names.push_back(planner::spoken_name(approach));
+            unplanned.push_back(approach.name + why);
         }
-        return compared;
-    }
-
-    std::string cell(const planner::ComparedMeasure& measure, std::size_t n)
-    {
-        const planner::ComparedNumber& number = measure.numbers[n];
-        std::string text = planner::metric_text(*measure.metric, number.value);
-        if (number.bar)
-            text += " +- " + planner::metric_number(*measure.metric, *number.bar);
-        return measure.leader == n ? text + " *" : text;
-    }
-
-    /// Characters on the screen, of UTF-8.
-    std::size_t width_of(const std::string& text)
-    {
-        return static_cast<std::size_t>(std::count_if(
-            text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
-    }
-
-    std::string padded(const std::string& text, std::size_t width)
-    {
-        return text + std::string(std::max(width, width_of(text)) - width_of(text), ' ');
-    }
-
-    std::string table(const std::vector<planner::ComparedMeasure>& measures, std::size_t fields)
-    {
-        std::vector<std::vector<std::string>> rows { { "" } };
-        for (std::size_t n = 0; n < fields; ++n)
-            rows.front().push_back(planner::compared_letter(n));
-        for (const planner::ComparedMeasure& measure : measures) {
-            rows.push_back({ measure.metric->caption });
-            for (std::size_t n = 0; n < fields; ++n)
-                rows.back().push_back(cell(measure, n));
-        }
-        std::vector<std::size_t> widths(fields + 1, 0);
-        for (const auto& row : rows)
-            for (std::size_t c = 0; c < row.size(); ++c)
-                widths[c] = std::max(widths[c], width_of(row[c]));
-        std::string text;
-        for (const auto& row : rows) {
-            std::string line;
-            for (std::size_t c = 0; c < row.size(); ++c)
-                line += padded(row[c], widths[c]) + "  ";
-            text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
-        }
-        return text;
-    }
-
-    Outcome compare(const std::string& case_file, const Job&)
-    {
-        const planner::Case planned_case = open_case(case_file);
-        const Compared compared = saved_fields(planned_case);
-        if (compared.fields.size() < 2)
+        if (fields.size() < 2)
             throw InputError("a comparison needs two planned approaches, and the case has "
-                    + std::to_string(compared.fields.size())
-                    + (compared.unplanned.empty() ? "" : " (not planned: " + joined(compared.unplanned) + ")")
+                    + std::to_string(fields.size())
+                    + (unplanned.empty() ? "" : " (not planned: " + joined(unplanned) + ")")
                     + ": plan them with retractor plan, without options that change the plan",
-                case_file);
-        const std::vector<planner::ComparedMeasure> measures = planner::compared_measures(compared.fields);
-        Outcome outcome;
-        outcome.document["approaches"] = Json::array();
-        for (std::size_t n = 0; n < compared.fields.size(); ++n) {
-            const planner::Verdict verdict = planner::verdict_of(compared.fields[n]);
-            outcome.text += planner::compared_letter(n) + "  " + compared.names[n] + ":";
-            for (const std::string& sentence : verdict.sentences)
-                outcome.text += " " + sentence;
-            outcome.text += "\n";
-            outcome.document["approaches"].push_back({ { "name", compared.fields[n].name },
-                { "light", planner::to_string(verdict.light) }, { "sentences", verdict.sentences } });
-        }
-        outcome.text += "\n" + table(measures, compared.fields.size())
-            + "* better than every other by more than both errors together\n";
-        const bool one_target = planner::have_one_target(compared.fields);
-        if (!one_target)
-            outcome.text += std::string(planner::kDifferentTargets) + "\n";
-        if (!compared.unplanned.empty())
-            outcome.text += "not planned: " + joined(compared.unplanned) + "\n";
-        outcome.document["one_target"] = one_target;
-        outcome.document["not_planned"] = compared.unplanned;
-        for (const planner::ComparedMeasure& measure : measures) {
-            Json row { { "key", measure.metric->key }, { "values", Json::array() }, { "bars", Json::array() } };
-            for (const planner::ComparedNumber& number : measure.numbers) {
-                row["values"].push_back(number.value);
-                row["bars"].push_back(number.bar ? Json(*number.bar) : Json());
+                options.case_file);
+        Outcome outcome { .document = comparison_document(fields, weights),
+            .text = comparison_text(fields, weights, Marks::leader) };
+        outcome.document["not_planned"] = unplanned;
+        if (!unplanned.empty())
+            outcome.text += "not planned: " + joined(unplanned) + "\n";
+        return outcome;
+    }
+
+    // ---- neighbours ------------------------------------------------------------------------------------------------
+
+    /// An approach with its neighbours, planned.
+    struct PlannedNeighbours {
+        planner::Case group; ///< with the approach and its neighbours only
+        std::vector<ComparedField> fields; ///< the approach first
+        std::vector<std::string> missing; ///< "one space higher: reason"
+        std::string remarks; ///< on saved plans
+    };
+
+    PlannedNeighbours planned_neighbours(
+        planner::Case group, const planner::Approach& approach, bool draft, const Job& job)
+    {
+        PlannedNeighbours planned;
+        group.approaches = { approach };
+        std::vector<std::string> names { planner::spoken_name(approach) };
+        {
+            planner::Patient patient(group, job);
+            for (planner::NeighbourApproach& neighbour : planner::neighbours_of(patient, approach)) {
+                if (!neighbour.approach) {
+                    planned.missing.push_back(neighbour.where + ": " + neighbour.refused);
+                    continue;
+                }
+                names.push_back(neighbour.where + " (" + neighbour.approach->name + ")");
+                planner::add_approach(group, std::move(*neighbour.approach));
             }
-            row["leader"] = measure.leader ? Json(compared.fields[*measure.leader].name) : Json();
-            outcome.document["measures"].push_back(row);
+        }
+        planned.group = group;
+        if (group.approaches.size() < 2)
+            return planned;
+        if (draft)
+            make_draft(group);
+        const planner::PlanChecks checks { .error_bars = !draft, .draft = draft, .find_region = !draft };
+        planner::check_plan(group, checks);
+        planner::Patient patient(group, job);
+        const DrawnFields drawn = saved_or_planned(patient, job, checks);
+        for (std::size_t n = 0; n < drawn.fields.size(); ++n) {
+            const planner::PlannedField& field = drawn.fields[n];
+            if (is_measured(field))
+                planned.fields.push_back(compared(patient, field.metrics, group.approaches[n], names[n]));
+            else
+                planned.missing.push_back(names[n] + ": " + field.message);
+        }
+        planned.remarks = drawn.remarks + save_plans(group, group, drawn.fields);
+        return planned;
+    }
+
+    /// Adds the neighbours to the case file, where the names are free. @returns their names
+    std::vector<std::string> keep_neighbours(planner::Case& planned_case, const planner::Case& group)
+    {
+        std::vector<std::string> kept;
+        for (std::size_t n = 1; n < group.approaches.size(); ++n)
+            if (const planner::Approach& approach = group.approaches[n];
+                planner::free_approach_name(planned_case, approach.name) == approach.name) {
+                planner::add_approach(planned_case, approach);
+                kept.push_back(approach.name);
+            }
+        return kept;
+    }
+
+    Outcome compare_neighbours(
+        planner::Case planned_case, const CompareOptions& options, const planner::Weights& weights, const Job& job)
+    {
+        const planner::Case in_file = planned_case;
+        Outcome outcome;
+        outcome.document["neighbours"] = Json::array();
+        std::vector<std::string> kept;
+        for (const planner::Approach& approach : in_file.approaches) {
+            if (!options.approach.empty() && approach.name != options.approach)
+                continue;
+            const PlannedNeighbours planned = planned_neighbours(in_file, approach, options.draft, job);
+            refuse_if_cancelled(job);
+            Json group = planned.fields.size() > 1 ? comparison_document(planned.fields, weights) : Json::object();
+            group["of"] = approach.name;
+            group["missing"] = planned.missing;
+            outcome.text += "Beside " + planner::spoken_name(approach) + ":\n";
+            if (planned.fields.size() > 1)
+                outcome.text += comparison_text(planned.fields, weights, Marks::against_first);
+            else if (planned.missing.empty())
+                outcome.text += "This approach has no neighbours.\n";
+            for (const std::string& missing : planned.missing)
+                outcome.text += "missing: " + missing + "\n";
+            outcome.text += planned.remarks + "\n";
+            outcome.document["neighbours"].push_back(std::move(group));
+            if (options.keep)
+                for (std::string& name : keep_neighbours(planned_case, planned.group))
+                    kept.push_back(std::move(name));
+        }
+        if (options.keep) {
+            planner::write_case(planned_case);
+            outcome.document["kept"] = kept;
+            outcome.text
+                += kept.empty() ? "no approach was added to the case\n" : "added to the case: " + joined(kept) + "\n";
         }
         return outcome;
+    }
+
+    Outcome compare(const CompareOptions& options, const Job& job)
+    {
+        const planner::Weights weights = parse_weights(options.weights);
+        planner::Case planned_case = open_case(options.case_file);
+        if (!options.neighbours) {
+            if (options.draft || options.keep || !options.approach.empty())
+                throw InputError("this option needs --neighbours",
+                    options.draft      ? "--draft"
+                        : options.keep ? "--keep"
+                                       : "--approach");
+            return compare_saved(planned_case, options, weights, job);
+        }
+        if (planned_case.approaches.empty())
+            throw InputError("the case has no approach yet: add one with retractor approach add",
+                options.case_file + "#/approaches");
+        if (!options.approach.empty())
+            static_cast<void>(planner::find_approach(planned_case, options.approach)); // refuses an unknown name
+        return compare_neighbours(std::move(planned_case), options, weights, job);
+    }
+
+    std::string criteria_help()
+    {
+        std::string text = "The score of an approach, 0 to 100 points, is the weighted mean of:\n";
+        for (const planner::Criterion& criterion : planner::criteria())
+            text += formatted(
+                "  %-12s %s (weight %s)\n", criterion.key, criterion.meaning, formatted("%g", criterion.weight).c_str());
+        return text;
     }
 
 } // namespace
 
 void add_compare_command(Commands& commands)
 {
-    auto case_file = std::make_shared<std::string>();
-    CLI::App* command = commands.app.add_subcommand(
-        "compare", "Compare the planned approaches of a case: verdicts, numbers with their errors, and what leads");
-    command->footer("Example: retractor compare C/case.json    (after retractor plan C/case.json --out D)");
-    command->add_option("case", *case_file, "case.json")->required()->check(CLI::ExistingPath);
-    commands.on(command, [case_file](const Job& job) { return compare(*case_file, job); });
+    auto options = std::make_shared<CompareOptions>();
+    CLI::App* command = commands.app.add_subcommand("compare",
+        "Compare the planned approaches of a case: verdicts, what to think of first, numbers with their errors, and a "
+        "ranking");
+    command->footer(criteria_help()
+        + "Example: retractor compare C/case.json    (after retractor plan C/case.json --out D)\n"
+          "Example: retractor compare C/case.json --weights seen=5,incision=0\n"
+          "Example: retractor compare C/case.json --neighbours --approach midcab --draft");
+    command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
+    command
+        ->add_option("--weights", options->weights,
+            "CRITERION=NUMBER, separated by commas: weights of the score other than those below; 0 leaves out")
+        ->delimiter(',');
+    command->add_flag("--neighbours", options->neighbours,
+        "Compare each approach with the same in the space above and below, and 20 mm along to either side. They are "
+        "planned, on one mesh each, where no saved plan is at hand");
+    command->add_option("--approach", options->approach, "With --neighbours: only of this approach (default: all)");
+    command->add_flag("--draft", options->draft,
+        "With --neighbours: a quick look, as retractor plan --draft; without error bars no approach leads");
+    command->add_flag("--keep", options->keep,
+        "With --neighbours: add the neighbours to the case, so that the window and other commands have them");
+    commands.on(command, [options](const Job& job) { return compare(*options, job); });
 }
 
 } // namespace retractor::ui::cli

@@ -42,8 +42,6 @@ namespace {
 
     constexpr double kFarthestMm = 1e4; // from the lips: no patient reaches beyond
 
-    constexpr double kDraftEdgeMm = 12.0, kDraftCoarseEdgeMm = 24.0; ///< of a draft's mesh, round the incision and far
-
     struct PlanOptions {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
         bool without_names = false;
@@ -172,17 +170,16 @@ namespace {
             solution.element = planner::element_from_string(options.element).value();
         solution.near_mm = options.near_mm.value_or(solution.near_mm);
         if (options.draft) {
-            solution.element = planner::ElementKind::p1;
-            if (options.contact.empty()) // contact takes several times as long as the plan without it
-                planned_case.contact = planner::ContactMode::never;
+            const planner::ContactMode asked = planned_case.contact;
+            make_draft(planned_case);
+            if (!options.contact.empty())
+                planned_case.contact = asked;
         }
         set_pressures(planned_case, options.pressures);
         for (planner::Approach& approach : planned_case.approaches) {
             planner::SizingSpec& sizing = approach.sizing;
-            sizing.corridor_edge_mm = options.edge_mm.value_or(
-                options.draft ? std::max(sizing.corridor_edge_mm, kDraftEdgeMm) : sizing.corridor_edge_mm);
-            sizing.coarse_edge_mm = std::max(
-                { sizing.coarse_edge_mm, sizing.corridor_edge_mm, options.draft ? kDraftCoarseEdgeMm : 0.0 });
+            sizing.corridor_edge_mm = options.edge_mm.value_or(sizing.corridor_edge_mm);
+            sizing.coarse_edge_mm = std::max(sizing.coarse_edge_mm, sizing.corridor_edge_mm);
             sizing.mesh_seed = options.mesh_seed;
         }
         planner::check_plan(planned_case, checks_of(options));

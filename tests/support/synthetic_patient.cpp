@@ -193,6 +193,12 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
         moved.directions.assign(points.size(), Vec3::UnitY());
         return moved;
     };
+    backend.neighbours = [](const planner::Approach& approach) {
+        planner::NeighbourApproach higher { .where = "one space higher", .approach = approach },
+            lower { .where = "one space lower", .refused = "the lowest" };
+        higher.approach->name = approach.name + "_space_3";
+        return std::vector { higher, lower };
+    };
     backend.surgery_input = [control](const planner::Approach& approach, const Job& job) -> ui::SurgeryInput {
         job.report("mesh", 0.5);
         ++control->setups_made;

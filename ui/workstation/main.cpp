@@ -87,7 +87,7 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         "their greys), 4 slices along and across the incision, 5 compare the planned approaches, R measure,\n"
         "T target where the slices meet, O opened field or patient before.\n"
         "Approaches: N new, D draw an incision on the skin, M move its points (Enter ends), E target and opening,\n"
-        "Ctrl+D duplicate, Delete remove, P plan, Shift+P plan all, Esc cancel.\n"
+        "Ctrl+D duplicate, B add neighbours, Delete remove, P plan, Shift+P plan all, Esc cancel.\n"
         "Cutting: K knife (draw on the skin with the left button), L straight cut between two clicks, H hooks\n"
         "(press on the edge of a wound to set a hook, drag a hook to pull it), X take out, Ctrl+Z undo,\n"
         "Ctrl+Shift+Z redo, Esc discard the stroke. The right button, or Shift and the left button, turns the\n"

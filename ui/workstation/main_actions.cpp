@@ -111,6 +111,8 @@ void MainWindow::make_approach_actions(QMenu& menu)
         "Make the place where the slices meet the target: an anastomosis, a clamp, a neck, an annulus",
         [this] { editor_->choose_site(); });
     duplicate_ = add_action(menu, "Duplicate", QKeySequence("Ctrl+D"), "Add a copy", [this] { editor_->duplicate(); });
+    neighbours_ = add_action(menu, "Add neighbours", Qt::Key_B,
+        "Add the same approach one space higher and lower, and 20 mm along", [this] { editor_->add_neighbours(); });
     remove_ = add_action(menu, "Remove", QKeySequence::Delete, "Remove this approach", [this] { editor_->remove(); });
     menu.addSeparator();
     plan_ = add_action(menu, "Plan", Qt::Key_P, "Cut, open and measure this approach", [this] { plan_selected(); });

@@ -871,7 +871,7 @@ void MainWindow::show_actions()
     move_->setEnabled(editor_->draw_possible() && any);
     move_->setChecked(editor_->moving());
     finish_->setEnabled(editor_->drawing());
-    for (QAction* action : { change_, duplicate_, remove_ })
+    for (QAction* action : { change_, duplicate_, neighbours_, remove_ })
         action->setEnabled(any && !editor_->drawing());
     site_->setEnabled(
         any && model_->view() == ViewPreset::slices && model_->slice_place().has_value() && !editor_->drawing());

@@ -205,7 +205,7 @@ private:
     QAction *knife_action_ = nullptr, *line_action_ = nullptr, *hook_action_ = nullptr, *take_out_action_ = nullptr,
             *undo_ = nullptr, *redo_ = nullptr;
     QAction *new_approach_ = nullptr, *draw_ = nullptr, *move_ = nullptr, *finish_ = nullptr, *change_ = nullptr,
-            *site_ = nullptr, *duplicate_ = nullptr, *remove_ = nullptr, *close_case_ = nullptr;
+            *site_ = nullptr, *duplicate_ = nullptr, *neighbours_ = nullptr, *remove_ = nullptr, *close_case_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *compare_ = nullptr,
             *measure_ = nullptr;

@@ -63,8 +63,9 @@ void ApproachEditor::changed(const QString& message)
     on_message(message);
 }
 
+template <class Result>
 void ApproachEditor::work(
-    Make make, std::function<void(planner::Approach)> take, std::function<void(const Failure&)> refuse)
+    std::function<Result()> make, std::function<void(Result)> take, std::function<void(const Failure&)> refuse)
 {
     ++working_;
     on_state();
@@ -72,7 +73,7 @@ void ApproachEditor::work(
                        refuse = std::move(refuse)](const Job&) {
         std::function<void()> deliver;
         try {
-            deliver = [take, approach = make()] { take(approach); };
+            deliver = [take, result = make()] { take(result); };
         } catch (...) {
             deliver = [refuse, failure = current_failure()] { refuse(failure); };
         }
@@ -104,7 +105,7 @@ void ApproachEditor::ask(ApproachDialog* dialog, std::function<Make(const planne
             dialog->set_busy(false);
             dialog->show_failure(QString::fromStdString(to_string(failure)));
         };
-        work(
+        work<planner::Approach>(
             make(dialog->draft()),
             [dialog, open, take, refuse](planner::Approach approach) {
                 if (!*open)
@@ -202,8 +203,8 @@ void ApproachEditor::finish_moving()
             tool_.freeze(false);
         on_failure(failure);
     };
-    work([move = backend_.move_incision, approach = model_->approach(*index),
-             points = tool_.points()] { return move(approach, points); },
+    work<planner::Approach>([move = backend_.move_incision, approach = model_->approach(*index),
+                                points = tool_.points()] { return move(approach, points); },
         [this, refuse, drawing = drawings_, at = *index](planner::Approach approach) {
             if (drawing != drawings_)
                 return; // it was discarded meanwhile
@@ -342,6 +343,41 @@ void ApproachEditor::duplicate()
     } catch (...) {
         on_failure(current_failure());
     }
+}
+
+void ApproachEditor::add_neighbours()
+{
+    if (model_ == nullptr || !model_->selected())
+        return;
+    const planner::Approach approach = model_->approach(*model_->selected());
+    work<std::vector<planner::NeighbourApproach>>([find = backend_.neighbours, approach] { return find(approach); },
+        [this, name = approach.name](const std::vector<planner::NeighbourApproach>& neighbours) {
+            std::vector<planner::Approach> added;
+            std::vector<std::string> places, missing;
+            for (const planner::NeighbourApproach& neighbour : neighbours) {
+                const bool known = neighbour.approach
+                    && planner::free_approach_name(model_->planned_case(), neighbour.approach->name)
+                        != neighbour.approach->name;
+                if (neighbour.approach && !known) {
+                    added.push_back(*neighbour.approach);
+                    places.push_back(neighbour.where);
+                } else {
+                    missing.push_back(
+                        neighbour.where + " (" + (known ? "it is there already" : neighbour.refused) + ")");
+                }
+            }
+            const std::string without = missing.empty() ? std::string() : " Not " + joined(missing) + ".";
+            if (added.empty())
+                return on_message(QString::fromStdString("There is nothing to add beside " + name + "." + without));
+            try {
+                model_->add_approaches(std::move(added), "add what lies beside " + name);
+                changed(
+                    QString::fromStdString("Added " + joined(places) + ". Shift+P plans them, 5 compares." + without));
+            } catch (...) {
+                on_failure(current_failure());
+            }
+        },
+        [this](const Failure& failure) { on_failure(failure); });
 }
 
 void ApproachEditor::remove()

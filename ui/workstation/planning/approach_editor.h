@@ -42,6 +42,8 @@ public:
     /// Asks what is done where the slices meet, and makes this site the target. @pre slices are shown
     void choose_site();
     void duplicate();
+    /// Adds the same approach one space higher and lower, and 20 mm along (planner::neighbours_of()).
+    void add_neighbours();
     void remove();
 
     bool drawing() const { return tool_.active(); }
@@ -62,8 +64,10 @@ private:
 
     void ask(ApproachDialog* dialog, std::function<Make(const planner::ApproachDraft&)> make,
         std::function<void(planner::Approach)> take);
-    /// Makes the approach on the executor; then one of the two is called in the window's thread.
-    void work(Make make, std::function<void(planner::Approach)> take, std::function<void(const Failure&)> refuse);
+    /// Calls `make` on the executor; then one of the other two is called in the window's thread.
+    template <class Result>
+    void work(
+        std::function<Result()> make, std::function<void(Result)> take, std::function<void(const Failure&)> refuse);
     void begin(std::vector<Vec3> points, const QString& message);
     void end_drawing();
     void finish_moving();

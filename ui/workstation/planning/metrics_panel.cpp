@@ -1,7 +1,10 @@
 #include "ui/workstation/planning/metrics_panel.h"
 #include "ui/workstation/view/theme.h"
 
+#include "mesh/base/text_format.h"
 #include "planner/approach/approach_draft.h"
+#include "planner/measures/comparison.h"
+#include "planner/measures/ranking.h"
 #include "ui/workstation/planning/comparison_chart.h"
 #include "ui/workstation/planning/metric_rows.h"
 
@@ -10,6 +13,10 @@
 #include <QScrollBar>
 #include <QToolButton>
 #include <QVBoxLayout>
+
+#include <algorithm>
+#include <string>
+#include <vector>
 
 namespace retractor::ui {
 
@@ -138,31 +145,65 @@ namespace {
         }
     }
 
-    /// The verdicts of the planned approaches, and the chart that compares them.
+    /// "Score 53 +- 2, the highest": the place of a field among the ranked ones; empty: it is not ranked.
+    std::string score_text(const std::vector<planner::RankedField>& order, std::size_t n)
+    {
+        const auto found = std::find_if(
+            order.begin(), order.end(), [n](const planner::RankedField& ranked) { return ranked.index == n; });
+        if (found == order.end())
+            return {};
+        std::string text = "Score " + in_words(found->score.points)
+            + (found->score.bar ? " \u00b1 " + in_words(*found->score.bar) : "");
+        if (found == order.begin())
+            text += order.size() > 1 && order[1].within_error ? ", the highest, within the error" : ", the highest";
+        return text;
+    }
+
+    /// The verdicts of the planned approaches, their scores, the chart that compares them, and what to think of first.
     void add_comparison(QVBoxLayout& column, const SessionModel& model)
     {
         std::vector<planner::FieldMetrics> fields;
-        for (const std::size_t index : model.planned()) {
-            const std::size_t n = fields.size();
-            fields.push_back(model.state(index).field->metrics);
-            const planner::Verdict verdict = planner::verdict_of(fields.back());
+        std::vector<planner::Candidate> candidates;
+        const std::vector<std::size_t> planned = model.planned();
+        for (const std::size_t index : planned) {
+            const FieldPictures& field = *model.state(index).field;
+            fields.push_back(field.metrics);
+            candidates.push_back({ .field = field.metrics, .divided_bones = field.divided_bones });
+        }
+        const bool one_target = planner::have_one_target(fields);
+        const std::vector<planner::RankedField> order = one_target
+            ? planner::ranked(candidates, planner::default_weights())
+            : std::vector<planner::RankedField>();
+        for (std::size_t n = 0; n < fields.size(); ++n) {
+            const planner::Verdict verdict = planner::verdict_of(fields[n]);
             const LightLook look = light_look(verdict.light);
             column.addSpacing(6);
-            column.addWidget(label(planner::compared_letter(n) + "  " + planner::spoken_name(model.approach(index)),
-                QString("color: %1;").arg(compared_color(n).name()), 11.0, true));
+            column.addWidget(
+                label(planner::compared_letter(n) + "  " + planner::spoken_name(model.approach(planned[n])),
+                    QString("color: %1;").arg(compared_color(n).name()), 11.0, true));
             column.addWidget(
                 label(std::string("\u25cf  ") + look.word, QString("color: %1;").arg(look.color), 10.0, true));
             if (!verdict.sentences.empty())
                 column.addWidget(label(verdict.sentences.front(), "color: white;"));
+            if (const std::string score = score_text(order, n); !score.empty())
+                column.addWidget(label(score, kFaint));
         }
         column.addSpacing(10);
         auto* chart = new ComparisonChart;
         chart->show_fields(fields);
         column.addWidget(chart);
         column.addWidget(label("Green: better than every other by more than both errors together.", kFaint));
-        if (!planner::have_one_target(fields))
-            column.addWidget(
-                label("The approaches have different targets, so what is seen of them is not compared.", kWarning));
+        if (!one_target)
+            column.addWidget(label(std::string(planner::kDifferentTargets), kWarning));
+        column.addSpacing(10);
+        column.addWidget(label("Think of this first", "color: white;", 11.0, true));
+        for (std::size_t n = 0; n < candidates.size(); ++n) {
+            std::string text = planner::compared_letter(n) + ": ";
+            for (const std::string& sentence : planner::crisis_check(candidates[n]))
+                text += sentence + " ";
+            column.addWidget(label(text.back() == ' ' && text.size() == 3 ? text + "nothing found." : text,
+                QString("color: %1;").arg(compared_color(n).name())));
+        }
     }
 
 } // namespace

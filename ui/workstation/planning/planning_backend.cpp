@@ -5,6 +5,7 @@
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/anatomy/body_probe.h"
 #include "planner/approach/bearing_points.h"
+#include "planner/approach/divided_bones.h"
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
 #include "planner/plan/plan.h"
@@ -31,6 +32,7 @@ namespace {
     {
         FieldPictures pictures;
         pictures.metrics = field.metrics;
+        pictures.divided_bones = planner::divided_bones(*patient.labels(), field.approach);
         pictures.warning = field.message;
         pictures.surgeon = surgeon_scene(patient, field);
         pictures.overview = overview_scene(patient, field);
@@ -188,6 +190,8 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
     backend.move_incision = [patient](const planner::Approach& approach, const std::vector<Vec3>& points) {
         return planner::with_incision_through(*patient, approach, points);
     };
+    backend.neighbours
+        = [patient](const planner::Approach& approach) { return planner::neighbours_of(*patient, approach); };
     backend.surgery_input = [patient](const planner::Approach& approach, const Job& job) {
         return make_surgery_input(*patient, approach, job);
     };

@@ -3,6 +3,7 @@
 
 #include "mesh/base/job.h"
 #include "planner/approach/approach_draft.h"
+#include "planner/approach/neighbour_approaches.h"
 #include "planner/session/surgery_session.h"
 #include "ui/workstation/planning/session_model.h"
 
@@ -40,6 +41,8 @@ struct PlanningBackend {
     std::function<planner::Approach(const planner::Case&, const planner::ApproachDraft&)> make_approach;
     /// See planner::with_incision_through().
     std::function<planner::Approach(const planner::Approach&, const std::vector<Vec3>&)> move_incision;
+    /// See planner::neighbours_of().
+    std::function<std::vector<planner::NeighbourApproach>(const planner::Approach&)> neighbours;
     /// The wall round the approach's incision, uncut, for the knife. The function throws when there is no wall.
     std::function<SurgeryInput(const planner::Approach&, const Job&)> surgery_input;
 };

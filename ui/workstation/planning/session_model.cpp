@@ -137,6 +137,18 @@ void SessionModel::add_approach(planner::Approach approach)
     selected_ = ids_.size() - 1;
 }
 
+void SessionModel::add_approaches(std::vector<planner::Approach> approaches, std::string what)
+{
+    planner::Case edited = case_;
+    const std::size_t count = approaches.size();
+    for (planner::Approach& approach : approaches)
+        planner::add_approach(edited, std::move(approach));
+    begin_edit(std::move(what));
+    case_ = std::move(edited);
+    for (std::size_t n = 0; n < count; ++n)
+        ids_.push_back(new_id());
+}
+
 void SessionModel::replace_approach(std::size_t index, planner::Approach approach, std::string what)
 {
     planner::Case edited = case_;

@@ -42,7 +42,8 @@ std::optional<ViewPreset> view_from_string(std::string_view text);
 /// A planned field for the window: numbers and pictures.
 struct FieldPictures {
     planner::FieldMetrics metrics;
-    Scene surgeon, overview;
+    std::vector<std::string> divided_bones {}; ///< see planner::divided_bones()
+    Scene surgeon {}, overview {};
     std::string warning; ///< limits of the result, e.g. "not converged"; empty: none
 };
 
@@ -121,6 +122,8 @@ public:
 
     /// Adds an approach and selects it. @throws InputError as planner::add_approach() does; nothing changes then
     void add_approach(planner::Approach approach);
+    /// Adds approaches in one step of the history; the selection stays. @throws as add_approach(); nothing changes then
+    void add_approaches(std::vector<planner::Approach> approaches, std::string what);
     /// Puts a changed approach in the place of another and selects it.
     /// @param what the change in words, for "Undo"
     /// @throws InputError as planner::add_approach() does; nothing changes then

@@ -7,6 +7,7 @@
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/annotations.h"
 #include "ui/scene/vtk/identifier_picture.h"
+#include "ui/scene/vtk/simplify_surface.h"
 #include "ui/scene/vtk/slice_actor.h"
 
 #include <gtest/gtest.h>
@@ -259,7 +260,7 @@ namespace scene_test {
         const TriMesh same = clustered(box, 0.1);
         EXPECT_EQ(same.triangles, box.triangles);
         EXPECT_TRUE(same.vertices.isApprox(box.vertices, 1e-12));
-        EXPECT_TRUE(clustered(box, 100.0).triangles.empty()) << "one cube holds the box";
+        EXPECT_EQ(clustered(box, 100.0).triangles.size(), 12U) << "its corners face eight octants";
         EXPECT_TRUE(clustered(TriMesh {}, 1.0).triangles.empty());
         for (const double cube :
             { 0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity() })
@@ -267,6 +268,36 @@ namespace scene_test {
         TriMesh broken = box;
         broken.vertices(0, 0) = std::numeric_limits<double>::quiet_NaN();
         EXPECT_THROW(clustered(broken, 1.0), InputError);
+    }
+
+    TEST(Clustered, TheTwoSidesOfASheetStayApartAndTheMiddleOfThePictureIsFiner)
+    {
+        const Vec3 centre(0.5, 0.5, 0.5);
+        TriMesh sheet = samples::box_mesh(centre - Vec3(30.0, 30.0, 1.0), centre + Vec3(30.0, 30.0, 1.0));
+        sheet = with_edges_at_most(sheet, 3.0);
+        const TriMesh fewer = clustered(sheet, 8.0);
+        EXPECT_LT(fewer.triangles.size(), sheet.triangles.size() / 3);
+        for (Eigen::Index v = 0; v < fewer.vertices.rows(); ++v) {
+            const Vec3 from_centre = point_at(fewer.vertices, static_cast<VertexId>(v)) - centre;
+            if (from_centre.head<2>().cwiseAbs().maxCoeff() < 20.0) { // more than a cube from the rim
+                EXPECT_NEAR(std::abs(from_centre.z()), 1.0, 1e-9) << "not between the two sides";
+            }
+        }
+
+        const TriMesh ball = samples::sphere_mesh(Vec3::Zero(), 40.0, 96);
+        const TriMesh partly = clustered(ball, 4.0, { .direction = Vec3::UnitZ(), .radius_mm = 15.0 });
+        std::size_t in_middle = 0;
+        const auto middle = [](const TriMesh& mesh, std::size_t t) {
+            return point_at(mesh.vertices, mesh.triangles[t][0]).head<2>().norm() < 12.0;
+        };
+        for (std::size_t t = 0; t < partly.triangles.size(); ++t)
+            in_middle += middle(partly, t) ? 1 : 0;
+        const TriMesh alike = clustered(ball, 4.0);
+        std::size_t in_middle_alike = 0;
+        for (std::size_t t = 0; t < alike.triangles.size(); ++t)
+            in_middle_alike += middle(alike, t) ? 1 : 0;
+        EXPECT_GT(in_middle, in_middle_alike / 2);
+        EXPECT_LT(partly.triangles.size(), alike.triangles.size() / 2);
     }
 
     /// Three slices of an image of 40 x 60 x 80 mm with a ball and a line.

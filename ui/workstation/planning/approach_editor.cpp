@@ -353,26 +353,30 @@ void ApproachEditor::add_neighbours()
     work<std::vector<planner::NeighbourApproach>>([find = backend_.neighbours, approach] { return find(approach); },
         [this, name = approach.name](const std::vector<planner::NeighbourApproach>& neighbours) {
             std::vector<planner::Approach> added;
-            std::vector<std::string> places, missing;
+            std::vector<std::string> places, missing, there;
+            std::string why;
             for (const planner::NeighbourApproach& neighbour : neighbours) {
-                const bool known = neighbour.approach
-                    && planner::free_approach_name(model_->planned_case(), neighbour.approach->name)
-                        != neighbour.approach->name;
-                if (neighbour.approach && !known) {
+                if (!neighbour.approach) {
+                    missing.push_back(neighbour.where);
+                    why = neighbour.refused;
+                } else if (planner::free_approach_name(model_->planned_case(), neighbour.approach->name)
+                    != neighbour.approach->name) {
+                    there.push_back(neighbour.where);
+                } else {
                     added.push_back(*neighbour.approach);
                     places.push_back(neighbour.where);
-                } else {
-                    missing.push_back(
-                        neighbour.where + " (" + (known ? "it is there already" : neighbour.refused) + ")");
                 }
             }
-            const std::string without = missing.empty() ? std::string() : " Not " + joined(missing) + ".";
+            std::string without;
+            if (!there.empty())
+                without += " There already: " + joined(there) + ".";
+            if (!missing.empty()) // the line has room for one reason; neighbours along a space miss for the same
+                without += " Not " + joined(missing) + ": " + why + ".";
             if (added.empty())
                 return on_message(QString::fromStdString("There is nothing to add beside " + name + "." + without));
             try {
                 model_->add_approaches(std::move(added), "add what lies beside " + name);
-                changed(
-                    QString::fromStdString("Added " + joined(places) + ". Shift+P plans them, 5 compares." + without));
+                changed(QString::fromStdString("Added " + joined(places) + ". Shift+P plans, 5 compares." + without));
             } catch (...) {
                 on_failure(current_failure());
             }

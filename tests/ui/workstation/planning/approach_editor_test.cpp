@@ -224,10 +224,11 @@ namespace approach_editor_test {
         EXPECT_EQ(window_.model()->approach(3).name, "median_space_3");
         EXPECT_EQ(window_.model()->selected(), 0U) << "the approach stays selected";
         EXPECT_NE(window_.message_line().find("Added one space higher"), std::string::npos) << window_.message_line();
-        EXPECT_NE(window_.message_line().find("one space lower (the lowest)"), std::string::npos);
+        EXPECT_NE(window_.message_line().find("Not one space lower: the lowest"), std::string::npos);
         press(Qt::Key_B);
         test_support::wait_until_idle(window_);
-        EXPECT_EQ(window_.approach_list().count(), 4) << "it is there already";
+        EXPECT_EQ(window_.approach_list().count(), 4);
+        EXPECT_NE(window_.message_line().find("There already: one space higher"), std::string::npos);
         press(Qt::Key_Z, Qt::ControlModifier);
         test_support::wait_until_idle(window_);
         EXPECT_EQ(window_.approach_list().count(), 3);

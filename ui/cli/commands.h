@@ -24,6 +24,8 @@ void add_palpate_command(Commands& commands);
 void add_relay_command(Commands& commands);
 /// Adds `train`: elasticity trials and their statistics.
 void add_train_command(Commands& commands);
+/// Adds `evidence`: what happened to earlier patients.
+void add_evidence_commands(Commands& commands);
 void add_doctor_command(Commands& commands);
 
 } // namespace retractor::ui::cli

@@ -22,6 +22,7 @@ void add_commands(retractor::ui::cli::Commands& commands)
     add_palpate_command(commands);
     add_relay_command(commands);
     add_train_command(commands);
+    add_evidence_commands(commands);
     add_doctor_command(commands);
 }
 

@@ -67,7 +67,8 @@ TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command :
         { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan", "render", "compare", "demo",
-            "doctor", "palpable", "palpate", "relay", "train", "train expert", "train test", "train report" }) {
+            "doctor", "palpable", "palpate", "relay", "train", "train expert", "train test", "train report", "evidence",
+            "evidence complications", "evidence rules", "evidence show-rule", "evidence generate" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -342,6 +343,45 @@ TEST_F(CommandLine, SavedPlansAreDrawnAndComparedWithoutPlanningAgain)
     ASSERT_EQ(run("approach remove " + file + " --name straight").exit_code, 0);
     ASSERT_EQ(run("hooks " + file + " --approach wider --template 2 --opening 22").exit_code, 0);
     EXPECT_EQ(run("compare " + file).exit_code, 2) << "no plan is of what the case holds now";
+}
+
+TEST_F(CommandLine, EvidenceHasThePublishedCounts)
+{
+    const std::string data = out("evidence/records");
+    ASSERT_EQ(run("evidence generate complications --out " + data).exit_code, 0);
+    const std::string database = out("evidence/records.sqlite");
+    for (const auto& [rule, found] : { std::pair { "shock-accounting", 5 }, { "shock-orders", 4 } }) {
+        const CommandRun result
+            = run("--json evidence complications " + data + " --rule " + rule + " --db " + database);
+        ASSERT_EQ(result.exit_code, 0) << result.out;
+        EXPECT_EQ(result.json().at("found_examinations"), found);
+        EXPECT_EQ(result.json().at("precision").at("successes"), 3);
+        EXPECT_TRUE(fs::exists(database));
+    }
+    // A rule of one's own, begun with a published one.
+    const std::string sql = run("evidence show-rule shock-orders").out;
+    EXPECT_NE(sql.find("SELECT e.examination"), std::string::npos);
+    std::ofstream(out("evidence/rule.sql")) << sql;
+    EXPECT_EQ(run("--json evidence complications " + data + " --rule " + out("evidence/rule.sql"))
+                  .json()
+                  .at("found_examinations"),
+        4);
+    std::ofstream(fs::path(data) / "oxygen.csv", std::ios::app) << "P1,yesterday\n";
+    const CommandRun bad = run("--json evidence complications " + data);
+    EXPECT_EQ(bad.exit_code, 2);
+    EXPECT_NE(bad.error().find("yesterday"), std::string::npos) << bad.error();
+    EXPECT_EQ(run("--json evidence complications " + data + " --skip-bad").json().at("bad_rows").at("count"), 1);
+    EXPECT_EQ(run("evidence complications " + data + " --rule nowhere.sql").exit_code, 2);
+
+    const std::string records = out("evidence/records.csv");
+    ASSERT_EQ(run("evidence generate exposures --out " + records).exit_code, 0);
+    const CommandRun rules
+        = run("--json evidence rules " + records + " --exposures A,B,C --out " + out("evidence/rules"));
+    ASSERT_EQ(rules.exit_code, 0) << rules.out;
+    EXPECT_EQ(rules.json().at("rules").size(), 13u);
+    for (const char* file : { "rules.csv", "rules.json", "rules.svg" })
+        EXPECT_TRUE(fs::exists(fs::path(out("evidence/rules")) / file)) << file;
+    EXPECT_EQ(run("evidence rules " + records + " --exposures D").exit_code, 2);
 }
 
 TEST_F(CommandLine, AnAccuracyIsReachedAndReported)

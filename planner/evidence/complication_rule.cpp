@@ -1,0 +1,100 @@
+#include "planner/evidence/complication_rule.h"
+
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <set>
+
+namespace retractor::planner {
+
+namespace {
+
+    constexpr const char* kWhere = "rule";
+
+    /// The examinations that the rule gives. @throws InputError as apply_rule()
+    std::set<std::string> found_by(const datasets::SqliteDatabase& database, std::string_view sql)
+    {
+        sqlite3_stmt* handle = nullptr;
+        const char* tail = nullptr;
+        const int prepared
+            = sqlite3_prepare_v2(database.handle.get(), sql.data(), static_cast<int>(sql.size()), &handle, &tail);
+        const std::unique_ptr<sqlite3_stmt, datasets::CloseSqlite> statement(handle);
+        if (prepared != SQLITE_OK)
+            throw InputError(std::string("is wrong: ") + sqlite3_errmsg(database.handle.get()), kWhere);
+        if (!statement)
+            throw InputError("holds no statement", kWhere);
+        if (sqlite3_stmt_readonly(handle) == 0)
+            throw InputError("changes the database; a rule is one SELECT statement", kWhere);
+        const std::string_view rest(tail, static_cast<std::size_t>(sql.data() + sql.size() - tail));
+        if (rest.find_first_not_of(" \t\r\n;") != std::string_view::npos)
+            throw InputError("holds more than one statement", kWhere);
+        int column = -1;
+        for (int c = 0; c < sqlite3_column_count(handle); ++c)
+            if (std::string_view(sqlite3_column_name(handle, c)) == "examination")
+                column = c;
+        if (column < 0)
+            throw InputError("gives no column \"examination\"", kWhere);
+        std::set<std::string> found;
+        int result = SQLITE_ROW;
+        while ((result = sqlite3_step(handle)) == SQLITE_ROW) {
+            const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(handle, column));
+            if (text == nullptr)
+                throw InputError("gives a row without an examination", kWhere);
+            found.insert(text);
+        }
+        if (result != SQLITE_DONE)
+            throw InputError(std::string("cannot be carried out: ") + sqlite3_errmsg(database.handle.get()), kWhere);
+        return found;
+    }
+
+    RuleJudgement judged(const RuleResult& result, std::size_t complications)
+    {
+        RuleJudgement judgement;
+        for (const FoundExamination& found : result.found)
+            ++(!found.complication ? judgement.unknown : *found.complication ? judgement.right : judgement.wrong);
+        judgement.missed = complications - judgement.right;
+        judgement.precision = exact_interval(judgement.right, judgement.right + judgement.wrong);
+        judgement.recall = exact_interval(judgement.right, complications);
+        return judgement;
+    }
+
+} // namespace
+
+RuleResult apply_rule(const datasets::SqliteDatabase& database, std::string_view sql, bool has_truth)
+{
+    RuleResult result;
+    datasets::SqliteStatement months(
+        database, "SELECT substr(date, 1, 7), count(*) FROM examination WHERE contrast = 1 GROUP BY 1 ORDER BY 1");
+    while (months.step()) {
+        const auto count = static_cast<std::size_t>(months.integer(1));
+        result.months[months.text(0)].examinations = count;
+        result.examinations += count;
+    }
+    datasets::SqliteStatement details(database,
+        has_truth ? "SELECT e.patient, e.date, t.complication FROM examination AS e LEFT JOIN truth AS t "
+                    "ON t.examination = e.examination WHERE e.examination = ?"
+                  : "SELECT patient, date, NULL FROM examination WHERE examination = ?");
+    std::set<std::string> patients;
+    for (const std::string& examination : found_by(database, sql)) {
+        details.reset();
+        details.bind(std::string_view(examination));
+        if (!details.step())
+            throw InputError("gives the examination \"" + examination + "\", which there is none", kWhere);
+        FoundExamination found { .examination = examination, .patient = details.text(0), .date = details.text(1) };
+        if (sqlite3_column_type(details.handle(), 2) != SQLITE_NULL)
+            found.complication = details.integer(2) != 0;
+        ++result.months[found.date.substr(0, 7)].found;
+        patients.insert(found.patient);
+        result.found.push_back(std::move(found));
+    }
+    std::ranges::stable_sort(result.found, {}, &FoundExamination::date);
+    result.patients = patients.size();
+    if (has_truth) {
+        datasets::SqliteStatement count(database, "SELECT count(*) FROM truth WHERE complication = 1");
+        count.step();
+        result.judgement = judged(result, static_cast<std::size_t>(count.integer(0)));
+    }
+    return result;
+}
+
+} // namespace retractor::planner

@@ -1,0 +1,17 @@
+-- Shock after intravenous contrast medium at CT, found in accounting data alone [Shinohara et al., method of identifying
+-- medical complications from hospital information system data, figure 2, with "without any orders" left out].
+-- On the day of the examination the patient was given an antihistamine or a steroid, intravenously or at the time of the
+-- examination, used oxygen, and had no surgery; and was given neither drug on the three days before and after.
+SELECT e.examination
+FROM examination AS e
+WHERE e.contrast = 1
+  AND EXISTS (SELECT 1 FROM administration AS a
+              WHERE a.patient = e.patient AND a.day = e.day
+                AND a.drug IN ('antihistamine', 'steroid')
+                AND (a.route = 'iv' OR a.examination = e.examination))
+  AND EXISTS (SELECT 1 FROM oxygen AS o WHERE o.patient = e.patient AND o.day = e.day)
+  AND NOT EXISTS (SELECT 1 FROM surgery AS s WHERE s.patient = e.patient AND s.day = e.day)
+  AND NOT EXISTS (SELECT 1 FROM administration AS b
+                  WHERE b.patient = e.patient AND b.day BETWEEN e.day - 3 AND e.day + 3 AND b.day <> e.day
+                    AND b.drug IN ('antihistamine', 'steroid'))
+ORDER BY e.day, e.examination

@@ -171,6 +171,17 @@ Score score_of(const Candidate& candidate, const Weights& weights)
     return score;
 }
 
+double mean_share(const Score& score, const Weights& weights, CriterionKind kind)
+{
+    double sum = 0.0, of_shares = 0.0;
+    for (std::size_t n = 0; n < kCriteria; ++n)
+        if (kAllCriteria[n].exposure == (kind == CriterionKind::exposure)) {
+            sum += weights[n];
+            of_shares += weights[n] * score.shares[n];
+        }
+    return sum > 0.0 ? of_shares / sum : 0.0;
+}
+
 std::vector<RankedField> ranked(std::span<const Candidate> candidates, const Weights& weights)
 {
     std::vector<RankedField> order;

@@ -52,6 +52,10 @@ struct Score {
 /// @pre the weights are finite and at least 0, and one is above 0
 Score score_of(const Candidate& candidate, const Weights& weights);
 
+enum class CriterionKind { exposure, cost };
+/// The weighted mean of the shares of one kind; 0 where none of them has a weight.
+double mean_share(const Score& score, const Weights& weights, CriterionKind kind);
+
 struct RankedField {
     std::size_t index = 0; ///< of the candidate
     Score score;

@@ -1,4 +1,4 @@
-#include "planner/measures/report.h"
+#include "planner/measures/report/report.h"
 
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
@@ -12,6 +12,8 @@
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/region_text.h"
+#include "planner/measures/report/html_text.h"
+#include "planner/measures/report/ranking_section.h"
 #include "planner/measures/rupture.h"
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/verdict.h"
@@ -47,30 +49,6 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
 .row { display: grid; grid-template-columns: 1fr 1fr; gap: 14px; } .wide { grid-column: 1 / -1; }
 .bars { display: grid; grid-template-columns: 1fr 1fr; gap: 14px; margin: 14px 0; } .bars svg { background: #fff; border: 1px solid #d3dce4; width: 100%; }
 )css";
-
-    std::string escaped(std::string_view text)
-    {
-        std::string out;
-        for (const char c : text) {
-            switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                out += c;
-            }
-        }
-        return out;
-    }
 
     std::string percent(double fraction) { return in_words(100.0 * fraction, 1) + " %"; }
 
@@ -504,6 +482,7 @@ void write_report(const std::filesystem::path& path, const Report& report)
         out << "<p class=\"notice\">" << escaped(refusal) << "</p>";
     if (report.computed)
         write_provenance(out, *report.computed);
+    write_crisis_check(out, report.fields, report.divided_bones);
     out << "<h2>Comparison</h2>";
     write_comparison(out, report.fields);
     write_reading(out, report.fields);
@@ -511,6 +490,7 @@ void write_report(const std::filesystem::path& path, const Report& report)
     for (const char* key : { "seen_best_eye", "opening_width_mm", "hook_force_N" })
         write_bars(out, report.fields, metric_field(key));
     out << "</div>";
+    write_ranking(out, report.fields, report.divided_bones);
     for (const FieldMetrics& field : report.fields)
         write_field(out, report, field);
     out << "<h2>What these numbers do not say</h2><ul>";

@@ -23,6 +23,7 @@ struct Report {
     std::string patient; ///< the data in words; never a name or an id of a person
     std::optional<Provenance> computed; ///< inputs, program and date
     std::vector<FieldMetrics> fields;
+    std::vector<std::vector<std::string>> divided_bones; ///< of each field (planner::divided_bones()); empty: not known
     std::vector<std::string> refused; ///< approaches without numbers, and the reasons
     std::vector<ReportPicture> pictures;
     std::vector<std::string> limits; ///< limits of these numbers, in words

@@ -6,6 +6,7 @@
 #include "mesh/base/text_format.h"
 #include "mesh/surface/wound_surface.h"
 #include "mesh/tetrahedra/mesh_io.h"
+#include "planner/approach/divided_bones.h"
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
 #include "planner/measures/bones/bone_limits.h"
@@ -359,8 +360,10 @@ void write_field_report(const std::filesystem::path& folder, planner::Patient& p
         labels->grid.size[0], labels->grid.size[1], labels->grid.size[2], labels->grid.spacing.x(),
         labels->grid.spacing.y(), labels->grid.spacing.z());
     for (const planner::PlannedField& field : fields)
-        if (is_measured(field))
+        if (is_measured(field)) {
             report.fields.push_back(field.metrics);
+            report.divided_bones.push_back(planner::divided_bones(*labels, field.approach));
+        }
     report.pictures = pictures;
     for (const planner::PlannedField& field : fields)
         if (!is_measured(field))

@@ -3,7 +3,7 @@
 
 #include "planner/case/patient.h"
 #include "planner/measures/provenance.h"
-#include "planner/measures/report.h"
+#include "planner/measures/report/report.h"
 #include "planner/plan/planned_field.h"
 #include "ui/cli/framework/command.h"
 

@@ -1,4 +1,4 @@
-#include "planner/measures/report.h"
+#include "planner/measures/report/report.h"
 
 #include "mesh/base/error.h"
 #include "planner/measures/metrics.h"
@@ -171,6 +171,34 @@ namespace report_test {
         report.fields = { skin };
         write_report(path, report);
         EXPECT_EQ(content_of(path).find("divided beyond the skin"), std::string::npos);
+    }
+
+    TEST(Report, SaysWhatToThinkOfFirstAndRanksApproachesOfOneTarget)
+    {
+        FieldMetrics open = sample_field("median"), between = sample_field("intercostal_4");
+        between.seen_best_eye = 0.5 * open.seen_best_eye;
+        for (FieldMetrics* field : { &open, &between })
+            field->mechanics_status = "converged";
+        const fs::path path = fs::path(testing::TempDir()) / "ranking.html";
+        Report report;
+        report.fields = { open, between };
+        report.divided_bones = { { "sternum" }, {} };
+        write_report(path, report);
+        const std::string page = content_of(path);
+        EXPECT_NE(page.find("<h2>Think of this first</h2>"), std::string::npos);
+        EXPECT_NE(page.find("The sternum is sawn through."), std::string::npos);
+        EXPECT_NE(page.find("<h2>Score</h2>"), std::string::npos);
+        EXPECT_NE(page.find("What each approach shows against what it spares"), std::string::npos);
+        EXPECT_LT(page.find("Think of this first"), page.find("<h2>Comparison</h2>"));
+
+        report.fields[1].target = "clamp site on aorta";
+        write_report(path, report);
+        EXPECT_NE(content_of(path).find("The approaches have different targets"), std::string::npos);
+        EXPECT_EQ(content_of(path).find("Score of 100"), std::string::npos);
+        report.fields.pop_back();
+        report.divided_bones.clear();
+        write_report(path, report);
+        EXPECT_EQ(content_of(path).find("<h2>Score</h2>"), std::string::npos) << "one alone has no place";
     }
 
     TEST(Metrics, ContactIsSaid)

@@ -480,8 +480,6 @@ void write_report(const std::filesystem::path& path, const Report& report)
     write_pictures(out, report, "");
     for (const std::string& refusal : report.refused)
         out << "<p class=\"notice\">" << escaped(refusal) << "</p>";
-    if (report.computed)
-        write_provenance(out, *report.computed);
     write_crisis_check(out, report.fields, report.divided_bones);
     out << "<h2>Comparison</h2>";
     write_comparison(out, report.fields);
@@ -493,6 +491,8 @@ void write_report(const std::filesystem::path& path, const Report& report)
     write_ranking(out, report.fields, report.divided_bones);
     for (const FieldMetrics& field : report.fields)
         write_field(out, report, field);
+    if (report.computed)
+        write_provenance(out, *report.computed);
     out << "<h2>What these numbers do not say</h2><ul>";
     for (const std::string& limit : report.limits)
         out << "<li>" << escaped(limit) << "</li>";

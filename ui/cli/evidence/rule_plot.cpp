@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
 
 namespace retractor::ui::cli {
 
@@ -54,12 +57,20 @@ std::string rule_plot_svg(const std::vector<planner::AssociationRule>& rules, co
         x(0.5 * most_support), kHeightPx - 16.0, y(0.5), y(0.5));
     svg += formatted("<text x=\"%.1f\" y=\"18\">%zu rules; the area of a mark is the lift; dashed: thresholds</text>\n",
         kLeftPx, rules.size());
-    for (std::size_t n = std::min(rules.size(), kMostMarks); n-- > 0;) // the first, of the largest lift, on top
-        svg += formatted(
-            "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" fill=\"#1c5d99\" fill-opacity=\"0.5\"/><text x=\"%.1f\" "
-            "y=\"%.1f\" text-anchor=\"middle\" font-size=\"10\">%zu</text>\n",
-            x(rules[n].support), y(rules[n].confidence), 6.0 * std::sqrt(rules[n].lift), x(rules[n].support),
-            y(rules[n].confidence) + 3.5, n + 1);
+    // Rules of one place share a mark, with all their numbers beside it.
+    std::map<std::pair<double, double>, std::vector<std::size_t>> places;
+    for (std::size_t n = 0; n < std::min(rules.size(), kMostMarks); ++n)
+        places[{ rules[n].support, rules[n].confidence }].push_back(n);
+    for (const auto& [place, there] : places) {
+        std::string numbers;
+        for (const std::size_t n : there)
+            numbers += (numbers.empty() ? "" : ", ") + std::to_string(n + 1);
+        const double radius = 6.0 * std::sqrt(rules[there.front()].lift); // the largest of them
+        svg += formatted("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" fill=\"#1c5d99\" fill-opacity=\"0.5\"/>"
+                         "<text x=\"%.1f\" y=\"%.1f\">",
+                   x(place.first), y(place.second), radius, x(place.first) + radius + 3.0, y(place.second) + 4.5)
+            + numbers + "</text>\n";
+    }
     return svg + "</svg>\n";
 }
 

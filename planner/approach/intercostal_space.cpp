@@ -111,9 +111,12 @@ namespace {
         double last_inner = 0.0;
         for (std::size_t n = 0; n < places.size(); ++n) {
             SpacePlace& place = places[n];
-            const auto inner = probe.wall_thickness(place.middle, -place.outward, kThickestMm);
-            place.open = inner.has_value() && place.gap_mm >= kLeastGapMm;
-            last_inner = inner.value_or(last_inner);
+            // From outside the ribs: on the inner side of a thin wall the search would begin behind the wall.
+            const auto inner = probe.wall_thickness(
+                place.middle + kThickestRibMm * place.outward, -place.outward, kThickestRibMm + kThickestMm);
+            place.cavity = inner.has_value();
+            place.open = place.cavity && place.gap_mm >= kLeastGapMm;
+            last_inner = inner ? *inner - kThickestRibMm : last_inner;
             const auto level = [&](const Vec3& centre) {
                 return place.outward.dot(centre - place.middle)
                     + outer_side(probe.labels(), hard, centre, place.outward);
@@ -249,6 +252,7 @@ SpacePlace place_along(const IntercostalSpace& space, double along_mm)
         .inner_mm = between(a.inner_mm, b.inner_mm),
         .outer_mm = between(a.outer_mm, b.outer_mm),
         .open = a.open && b.open,
+        .cavity = a.cavity && b.cavity,
         .along_mm = between(a.along_mm, b.along_mm) };
 }
 

@@ -21,6 +21,7 @@ struct SpacePlace {
     double inner_mm = 0.0; ///< from the middle inwards to the inner side of the wall
     double outer_mm = 0.0; ///< from the middle outwards to the level of the ribs' outer side
     bool open = true; ///< false: the ribs or their cartilages join, or no cavity lies behind the wall
+    bool cavity = true; ///< a cavity lies behind the wall
     double along_mm = 0.0; ///< along the middle, from the first place
 };
 

@@ -54,6 +54,11 @@ namespace {
         return centres;
     }
 
+    const char* closed_words(const SpacePlace& place)
+    {
+        return place.cavity ? "the ribs join" : "no cavity lies behind the wall";
+    }
+
     /// The structures that end the division.
     class Limits {
     public:
@@ -79,7 +84,7 @@ namespace {
         std::string forward_limit(const SpacePlace& place) const
         {
             if (!place.open)
-                return "the ribs join";
+                return closed_words(place);
             if (nearest(place, mammary_) < kFromMammaryMm)
                 return formatted("%.0f mm from the mammary artery", kFromMammaryMm);
             if (nearest(place, sternum_) < kFromSternumMm)
@@ -90,7 +95,7 @@ namespace {
         std::string backward_limit(const SpacePlace& place) const
         {
             if (!place.open)
-                return "the ribs join";
+                return closed_words(place);
             const double lateral = std::abs(frame_.left.dot(place.middle - frame_.origin) - midline(place.middle));
             if (lateral < kFromSpineMm)
                 return formatted("%.0f mm from the spine's midline", kFromSpineMm);

@@ -684,6 +684,8 @@ std::string division_text(const FieldMetrics& field)
     if (!field.division)
         return {};
     const DividedTissue& division = *field.division;
+    if (!(division.backwards_mm + division.forwards_mm > 0.0))
+        return division.words;
     return (division.words.empty() ? "divided beyond the skin: " + division_cell(field) : division.words)
         + formatted("; the division is %.0f mm long with the incision, and severs %.1f cm2 beyond it",
             division.length_mm, 1e-2 * division.severed_mm2);
@@ -713,6 +715,8 @@ std::string division_cell(const FieldMetrics& field)
 {
     if (!field.division)
         return "skin only";
+    if (!(field.division->backwards_mm + field.division->forwards_mm > 0.0))
+        return "skin only, although more was asked for";
     return formatted("%.0f mm backwards, %.0f mm forwards", field.division->backwards_mm, field.division->forwards_mm);
 }
 

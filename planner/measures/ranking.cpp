@@ -145,7 +145,8 @@ Weights default_weights()
 
 double share_of(const Criterion& criterion, double value)
 {
-    return std::clamp((value - criterion.worst) / (criterion.best - criterion.worst), 0.0, 1.0);
+    // Adding zero makes no share "-0".
+    return std::clamp((value - criterion.worst) / (criterion.best - criterion.worst), 0.0, 1.0) + 0.0;
 }
 
 Score score_of(const Candidate& candidate, const Weights& weights)

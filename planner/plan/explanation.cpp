@@ -4,6 +4,7 @@
 #include "planner/measures/metrics.h"
 #include "planner/plan/planned_field.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -87,8 +88,12 @@ namespace {
         const std::string words = named_shares(eye.hidden_by, 4);
         if (words.empty())
             return words;
-        return std::string(eye.seen_fraction > 0.0 ? "From there" : "From the middle of the cone")
-            + " the target is hidden by " + words + ". ";
+        double hidden = 0.0;
+        for (const SightShare& share : eye.hidden_by)
+            hidden += share.share;
+        return "Of the side of the target that faces "
+            + std::string(eye.seen_fraction > 0.0 ? "this eye" : "the middle of the cone") + ", "
+            + percent(std::max(0.0, 1.0 - hidden)) + " is seen; it is hidden by " + words + ". ";
     }
 
     std::string bone_sentence(const Exposure& exposure)
@@ -96,8 +101,8 @@ namespace {
         const std::string words = named_shares(exposure.bone_in_sight, exposure.bone_in_sight.size());
         if (words.empty())
             return "No bone stands in the line of sight. ";
-        return "Bone in the line of sight: " + words
-            + "; part of it would have to be pulled further or removed to see more. ";
+        return "Bone lies on lines of sight from the cone, also behind other tissue: " + words
+            + " of them; part of it would have to be pulled further or removed to see more. ";
     }
 
     std::string opening_sentence(const FieldMetrics& metrics)

@@ -90,8 +90,11 @@ namespace {
             return false;
         }
         field.metrics.division = std::move(cut.divided);
-        if (!field.metrics.division) // asked for, and not found
+        if (!field.metrics.division && !field.approach.division.words.empty()) { // asked for, and not possible
+            field.metrics.division = DividedTissue { .length_mm = incision_length(field.approach),
+                .words = field.approach.division.words };
             remark(field.message, field.approach.division.words);
+        }
         remark(field.message, cut.message);
         field.wall = std::move(cut.wall);
         field.lips = std::move(cut.lips);
@@ -183,7 +186,9 @@ namespace {
         std::vector<SightBlocker> blockers;
         for (const SightShare& blocker : shares) {
             const mesh::LabelInfo* info = mesh::find_label(table, blocker.name);
-            blockers.push_back({ blocker.name, blocker.share, info != nullptr && is_skeleton(*info) });
+            // Of cartilages those of the wall: the trachea's is no obstacle like bone.
+            blockers.push_back({ blocker.name, blocker.share,
+                info != nullptr && mesh::is_skeleton(*info) && (info->material == "bone" || mesh::is_wall(*info)) });
         }
         return blockers;
     }
@@ -316,6 +321,12 @@ namespace {
         m.opening_width_mm = field.geometry.width_mm;
         m.incision_length_mm = field.geometry.incision_length_mm;
         m.cut_depth_mm = field.approach.depth_mm;
+        constexpr double kWholeEdge = 0.8; // a wound begins and ends within a few elements of the incision's ends
+        if (const double drawn = incision_length(field.approach); m.incision_length_mm < kWholeEdge * drawn)
+            remark(field.message,
+                formatted("the edge of the wound was found over %.0f mm of the incision's %.0f mm: opening, area and "
+                          "view are those of this part",
+                    m.incision_length_mm, drawn));
         m.hooks = hook_forces(field);
         m.retractor = retractor_metrics(field);
         if (is_usable(field.opening))

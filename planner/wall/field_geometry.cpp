@@ -23,6 +23,9 @@ namespace {
     /// A face belongs to the surface through which the blade entered when its normal points at least this much against
     /// the blade (about 70 degrees). Beyond this angle the face is an end of a piece of tissue, not its skin.
     constexpr double kFacesBlade = 0.34;
+    /// Edges that lie deeper below the blade's top than the shallowest edge by less than this are of one skin, mm. No
+    /// wall of a chest is thinner.
+    constexpr double kOneSkinMm = 5.0;
     /// Lips are closed below this share of the cut's length squared (as an area). The plane is then the caller's.
     constexpr double kClosedArea = 1e-6;
 
@@ -144,16 +147,35 @@ namespace {
         return sum / static_cast<double>(chain.size());
     }
 
-    /// Keeps the shallowest of chains that lie above each other, and joins the kept chains from start to end.
+    double extent(const Chain& chain) { return chain.back().along - chain.front().along; }
+
+    /// Whether one chain lies above or below the other over most of the shorter one. Parts of one edge may overlap a
+    /// little where the skin is steep.
+    bool are_stacked(const Chain& a, const Chain& b)
+    {
+        const double overlap = std::min(a.back().along, b.back().along) - std::max(a.front().along, b.front().along);
+        return overlap > 0.5 * std::min(extent(a), extent(b));
+    }
+
+    /// Keeps the shallowest of chains that lie above each other, and joins the kept chains from start to end. Chains at
+    /// nearly the depth of the shallowest are of one skin: of these the longest are kept, so that a shard of skin
+    /// beside or above the edge does not stand for it.
     WoundEdge shallowest(std::vector<Chain> chains)
     {
-        std::sort(
-            chains.begin(), chains.end(), [](const Chain& a, const Chain& b) { return mean_depth(a) < mean_depth(b); });
+        RETRACTOR_ASSERT(!chains.empty());
+        std::vector<double> depths;
+        for (const Chain& chain : chains)
+            depths.push_back(mean_depth(chain));
+        const double skin = *std::min_element(depths.begin(), depths.end()) + kOneSkinMm;
+        std::sort(chains.begin(), chains.end(), [&](const Chain& a, const Chain& b) {
+            const double at_a = mean_depth(a), at_b = mean_depth(b);
+            if (at_a < skin && at_b < skin)
+                return extent(a) > extent(b);
+            return at_a < at_b;
+        });
         std::vector<Chain> kept;
         for (Chain& chain : chains)
-            if (std::none_of(kept.begin(), kept.end(), [&](const Chain& k) {
-                    return chain.front().along < k.back().along && k.front().along < chain.back().along;
-                }))
+            if (std::none_of(kept.begin(), kept.end(), [&](const Chain& k) { return are_stacked(chain, k); }))
                 kept.push_back(std::move(chain));
         std::sort(
             kept.begin(), kept.end(), [](const Chain& a, const Chain& b) { return a.front().along < b.front().along; });

@@ -131,6 +131,21 @@ namespace {
         }
     }
 
+    /// What speaks against the numbers below comes first.
+    void add_cautions(const planner::FieldMetrics& m, std::vector<LegendLine>& lines)
+    {
+        constexpr Color kAlarm { 0.95, 0.25, 0.2 }, kCaution { 0.95, 0.7, 0.2 };
+        const bool turned_over = m.inverted_elements > 0 && m.mechanics_status.starts_with("inverted");
+        if (m.mechanics_status != "converged" && !turned_over)
+            lines.push_back({ "NOT IN EQUILIBRIUM: do not use", {}, kAlarm });
+        else if (!planner::is_believable(m))
+            lines.push_back({ "FAILED: do not use these numbers", {}, kAlarm });
+        else if (m.inverted_elements > 0)
+            lines.push_back({ "caution: " + std::to_string(m.inverted_elements)
+                    + (m.inverted_elements == 1 ? " element" : " elements") + " inside out",
+                {}, kCaution });
+    }
+
     std::vector<LegendLine> legend_of(const planner::FieldMetrics& m)
     {
         const bool bars = m.error && m.error->message.empty();
@@ -140,10 +155,10 @@ namespace {
         std::vector<LegendLine> lines;
         const bool is_estimated
             = std::find(m.estimated.begin(), m.estimated.end(), m.target_spec.label) != m.estimated.end();
-        lines.push_back({ "target: " + readable(m.target) + (is_estimated ? " (estimated)" : ""),
-            number(100.0 * m.seen_best_eye, 0,
-                bar(bars ? 100.0 * m.error->seen_best_eye : 0.0) + "% seen by the best eye"),
-            target_color() });
+        add_cautions(m, lines);
+        lines.push_back({ "target: " + readable(m.target) + (is_estimated ? " (estimated)" : ""), {}, target_color() });
+        lines.push_back({ "seen by the best eye",
+            number(100.0 * m.seen_best_eye, 0, bar(bars ? 100.0 * m.error->seen_best_eye : 0.0) + "%"), std::nullopt });
         lines.push_back({ "  with two eyes and a lamp", number(100.0 * m.seen_two_eyes, 0, "%"), std::nullopt });
         lines.push_back(
             { "  reached by two instruments", number(100.0 * m.reached_by_two_instruments, 0, "%"), std::nullopt });
@@ -168,16 +183,6 @@ namespace {
                 : bones == 1 ? readable(m.bone_in_sight[0])
                              : readable(m.bone_in_sight[0]) + " and " + std::to_string(bones - 1) + " more",
             std::nullopt });
-        const bool turned_over = m.inverted_elements > 0 && m.mechanics_status.starts_with("inverted");
-        if (m.mechanics_status != "converged" && !turned_over)
-            lines.push_back({ "caution", "not in equilibrium", std::nullopt });
-        else if (!planner::is_believable(m))
-            lines.push_back({ "caution", "failed: not to be believed", std::nullopt });
-        else if (m.inverted_elements > 0)
-            lines.push_back({ "caution",
-                std::to_string(m.inverted_elements) + (m.inverted_elements == 1 ? " element" : " elements")
-                    + " inside out",
-                std::nullopt });
         return lines;
     }
 
@@ -344,25 +349,42 @@ std::vector<Scene> slice_scenes(planner::Patient& patient, const planner::Approa
     return scenes;
 }
 
+namespace {
+
+    /// ": a flat section; the cut curves up to 12 mm out of it" where the cut leaves the slice's plane so far that the
+    /// picture may show it in tissue through which it does not go; else nothing.
+    std::string curved_words(const SliceItem& slice, const std::vector<Vec3>& cut)
+    {
+        constexpr double kOutMm = 3.0; // half of what a blade must leave free between ribs
+        const Vec3 normal = slice.oblique->right.cross(slice.oblique->up);
+        double farthest = 0.0;
+        for (const Vec3& p : cut)
+            farthest = std::max(farthest, std::abs(normal.dot(p - slice.point)));
+        return farthest > kOutMm ? formatted(": a flat section; the cut curves up to %.0f mm out of it", farthest)
+                                 : std::string();
+    }
+
+} // namespace
+
 std::vector<Scene> incision_slice_scenes(planner::Patient& patient, const planner::Approach& approach)
 {
     RETRACTOR_ASSERT(approach.incision.size() >= 2 && approach.directions.size() == approach.incision.size());
     const std::map<Label, Color> outlines = outlines_of(patient, approach.target);
-    const auto scene_of
-        = [&](const char* title, const Vec3& middle, const Vec3& along, const Vec3& inward, double half_width_mm) {
-              const Vec3 up = -inward.normalized(), right = (along - along.dot(up) * up).normalized();
-              Scene scene;
-              scene.title = title;
-              scene.slices.push_back({ .image = patient.ct(),
-                  .point = middle - 0.5 * approach.depth_mm * up,
-                  .oblique = ObliqueSlice { .right = right,
-                      .up = up,
-                      .half_width_mm = half_width_mm,
-                      .half_height_mm = 0.5 * approach.depth_mm + kBeyondCutMm },
-                  .labels = patient.labels(),
-                  .outline_of_label = outlines });
-              return scene;
-          };
+    const auto scene_of = [&](const std::string& title, const Vec3& middle, const Vec3& along, const Vec3& inward,
+                              double half_width_mm) {
+        const Vec3 up = -inward.normalized(), right = (along - along.dot(up) * up).normalized();
+        Scene scene;
+        scene.title = title;
+        scene.slices.push_back({ .image = patient.ct(),
+            .point = middle - 0.5 * approach.depth_mm * up,
+            .oblique = ObliqueSlice { .right = right,
+                .up = up,
+                .half_width_mm = half_width_mm,
+                .half_height_mm = 0.5 * approach.depth_mm + kBeyondCutMm },
+            .labels = patient.labels(),
+            .outline_of_label = outlines });
+        return scene;
+    };
     const auto add_cut = [&](Scene& scene, std::vector<Vec3> points) {
         const SliceItem& slice = scene.slices.front();
         const Vec3 normal = slice.oblique->right.cross(slice.oblique->up);
@@ -381,6 +403,7 @@ std::vector<Scene> incision_slice_scenes(planner::Patient& patient, const planne
     for (std::size_t n = approach.incision.size(); n-- > 0;)
         outline.push_back(approach.incision[n] + approach.depth_mm * approach.directions[n].normalized());
     outline.push_back(approach.incision.front());
+    scenes.back().title += curved_words(scenes.back().slices.front(), outline);
     add_cut(scenes.back(), std::move(outline));
 
     const planner::IncisionPlace place = planner::incision_place(approach, 0.5 * planner::incision_length(approach));

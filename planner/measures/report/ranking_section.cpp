@@ -57,7 +57,7 @@ namespace {
             10.0 + kPlotPx * (1.0 - mean_share(score, weights, CriterionKind::cost)) };
     }
 
-    void write_plot(std::ostream& out, const std::vector<FieldMetrics>& fields, const std::vector<RankedField>& order)
+    void write_plot(std::ostream& out, const std::vector<RankedField>& order)
     {
         out << "<div class=\"bars\"><svg viewBox=\"0 0 420 390\" role=\"img\" aria-label=\"What each approach shows "
                "against what it spares\" font-size=\"13\">";
@@ -77,15 +77,14 @@ namespace {
             10.0 + 0.5 * kPlotPx, 10.0 + 0.5 * kPlotPx);
         for (const RankedField& ranked : order) {
             const PlotPlace at = place(ranked.score);
-            const bool at_right = at.x > kMarginPx + 0.6 * kPlotPx;
-            out << formatted(
-                "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"6\" stroke=\"#1c5d99\" stroke-width=\"2\" fill=\"%s\"/>", at.x,
-                at.y, ranked.beaten_by ? "white" : "#1c5d99");
-            out << formatted("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">", at.x + (at_right ? -10.0 : 10.0),
-                at.y + 4.0, at_right ? "end" : "start")
-                << compared_letter(ranked.index) << " " << escaped(fields[ranked.index].name) << "</text>";
+            const char* const ink = ranked.beaten_by ? "#1c5d99" : "white";
+            out << formatted("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"10\" stroke=\"#1c5d99\" stroke-width=\"2\" "
+                             "fill=\"%s\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\" fill=\"%s\">%s</text>",
+                at.x, at.y, ranked.beaten_by ? "white" : "#1c5d99", at.x, at.y + 4.5, ink,
+                compared_letter(ranked.index).c_str());
         }
-        out << "</svg><p>Right: the approach shows more. Up: it spares more (incision, bone, structures at risk, "
+        out << "</svg><p>The letters are those of the table. Right: the approach shows more. Up: it spares more "
+               "(incision, bone, structures at risk, "
                "force). "
                "An open circle: another approach is at least as good by every criterion, and better by one.</p></div>";
     }
@@ -125,7 +124,7 @@ void write_ranking(std::ostream& out, const std::vector<FieldMetrics>& fields,
     out << "<p>The score is the weighted mean of the criteria, each 0 to 100 between two fixed values. Weights and "
            "values "
            "are a choice, not a finding: <code>retractor compare --weights</code> takes others.</p>";
-    write_plot(out, fields, order);
+    write_plot(out, order);
 }
 
 } // namespace retractor::planner

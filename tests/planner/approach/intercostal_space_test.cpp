@@ -71,6 +71,22 @@ namespace intercostal_space_test {
         }
     }
 
+    TEST(IntercostalSpace, IsOpenWhereTheWallBehindTheRibsIsThin)
+    {
+        for (const double behind : { 0.5, 2.0, 3.5 }) { // mm from the ribs' middle to the cavity; voxels have 3 mm
+            ChestShape shape;
+            shape.rib_radius = shape.radius - shape.wall + behind;
+            const mesh::LabelVolume labels = test_support::synthetic_chest(shape);
+            const BodyProbe probe(labels);
+            for (const SpacePlace& place : find_intercostal_space(probe, find_anatomy(labels), true, 4).places)
+                if (place.angle_deg > 30.0 && place.angle_deg < 125.0) {
+                    EXPECT_TRUE(place.open) << behind << " mm, at " << place.angle_deg;
+                    EXPECT_TRUE(place.cavity);
+                    EXPECT_NEAR(place.inner_mm, behind, 2.0 * kHalfVoxelMm);
+                }
+        }
+    }
+
     TEST(IntercostalSpace, IsFoundUnderTheIncisionOfATemplate)
     {
         for (const bool left : { true, false })

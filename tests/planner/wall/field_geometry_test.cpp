@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -267,6 +269,50 @@ namespace field_geometry_test {
         const OpeningGeometry open = opening_geometry(edges, slit.mesh, apart);
         EXPECT_NEAR(open.area_mm2, 60.0 * 8.0, 1e-9);
         EXPECT_NEAR(open.width_mm, 8.0, 1e-9);
+    }
+
+    TEST(WoundEdges, AShardAboveTheSkinDoesNotStandForItsEdge)
+    {
+        Slit slit = slit_box(15.0, 45.0, 10.0);
+        const WoundEdges whole = wound_edges(slit.mesh, slit.lips, mesh::SweptBlade(slit.blade));
+        // A tetrahedron of skin that the cut has left beside the edge, 1 mm above it, over 4 of its 30 mm.
+        const auto first = static_cast<VertexId>(slit.mesh.vertices.rows());
+        const Vec3 on_edge = point_at(slit.mesh.vertices, whole.left.vertices[2]);
+        slit.mesh.vertices.conservativeResize(first + 4, 3);
+        const Vec3 corners[] = { on_edge + Vec3(0.0, 0.0, 1.0), on_edge + Vec3(4.0, 0.0, 1.0),
+            on_edge + Vec3(2.0, 2.0, 1.0), on_edge + Vec3(2.0, 0.0, -0.5) };
+        for (int n = 0; n < 4; ++n)
+            slit.mesh.vertices.row(first + n) = corners[n].transpose();
+        std::array<VertexId, 4> tet { first, first + 1, first + 2, first + 3 };
+        if (!((corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(corners[3] - corners[0]) > 0.0))
+            std::swap(tet[0], tet[1]);
+        slit.mesh.nodes.insert(slit.mesh.nodes.end(), tet.begin(), tet.end());
+        slit.mesh.labels.push_back(slit.mesh.labels.front());
+        // Its face in the plane of the cut is a lip: the face opposite to the third corner.
+        const auto element = static_cast<TetId>(slit.mesh.tet_count() - 1);
+        const int corner = static_cast<int>(std::find(tet.begin(), tet.end(), first + 2) - tet.begin());
+        slit.lips.push_back({ .face = { element, corner }, .side = 1, .cut = 0 });
+        const WoundEdges edges = wound_edges(slit.mesh, slit.lips, mesh::SweptBlade(slit.blade));
+        EXPECT_EQ(edges.left.vertices, whole.left.vertices);
+        EXPECT_NEAR(opening_geometry(edges, slit.mesh, {}).incision_length_mm, 30.0, 1e-9);
+    }
+
+    TEST(WoundEdges, PartsOfAnEdgeThatOverlapALittleAreJoined)
+    {
+        Slit slit = slit_box(15.0, 45.0, 10.0);
+        const mesh::SweptBlade blade(slit.blade);
+        const std::vector<VertexId> rim = wound_edges(slit.mesh, slit.lips, blade).left.vertices;
+        ASSERT_EQ(rim.size(), 7U);
+        // Between the fourth and the fifth vertex the lip is lost, and the fifth lies 1 mm before the fourth.
+        std::erase_if(slit.lips, [&](const mesh::LipFace& lip) {
+            const auto corners = mesh::face_vertices(slit.mesh, lip.face);
+            return lip.side == 1 && std::ranges::count(corners, rim[3]) + std::ranges::count(corners, rim[4]) == 2;
+        });
+        slit.mesh.vertices(rim[4], 0) = slit.mesh.vertices(rim[3], 0) - 1.0;
+        const WoundEdge edge = wound_edges(slit.mesh, slit.lips, blade).left;
+        EXPECT_EQ(edge.vertices, rim);
+        EXPECT_NEAR(edge.along_mm.front(), 0.0, 1e-9);
+        EXPECT_NEAR(edge.along_mm.back(), 30.0, 1e-9);
     }
 
     TEST(WoundEdges, ObliqueCutInDomedSkin)

@@ -409,6 +409,12 @@ namespace render_test {
         EXPECT_EQ(name_at(kSize / 2, kSize * 3 / 4), "sternum");
         EXPECT_EQ(name_at(1, 1), "");
 
+        Scene crowded = scene;
+        crowded.legend.assign(26, { "line", "1 mm" }); // a legend over the left of the picture
+        crowded.legend_share = 0.6;
+        add_names(crowded, picture);
+        for (const TextItem& word : crowded.words)
+            EXPECT_GT(word.position.x(), 0.2 * 20.0) << word.text << " lies under the legend";
         add_names(scene, picture);
         ASSERT_EQ(scene.words.size(), 2U);
         for (const TextItem& word : scene.words) {

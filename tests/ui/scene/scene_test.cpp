@@ -100,7 +100,8 @@ namespace scene_test {
         slice.labels = labels;
         const IdentifierPicture named = identifier_picture(slice, camera, { { 5, "heart" } }, 80, 40);
         ASSERT_EQ(named.structure.size(), 3200U);
-        EXPECT_EQ(named.structure[20 * 80 + 75], 0); // x + y + z grows to the right
+        EXPECT_EQ(named.structure[20 * 80 + 65], 0); // x + y + z grows to the right
+        EXPECT_EQ(named.structure[20 * 80 + 75], -1) << "beyond the slice, which is 24 mm wide";
         EXPECT_EQ(named.structure[20 * 80 + 5], -1);
     }
 

@@ -123,7 +123,8 @@ namespace {
     struct LegendLayout {
         int font = 0;
         double line_height = 0.0, swatch = 0.0, key_width = 0.0, value_width = 0.0, gap = 0.0;
-        double width() const { return swatch + key_width + gap + value_width; }
+        double heading_width = 0.0; ///< of lines without a value, which have the whole width
+        double width() const { return swatch + std::max(heading_width, key_width + gap + value_width); }
     };
 
     LegendLayout measure(const std::vector<LegendLine>& lines, int font, vtkRenderer& renderer)
@@ -134,8 +135,8 @@ namespace {
         for (const LegendLine& line : lines) {
             if (line.swatch)
                 layout.swatch = 1.3 * font;
-            layout.key_width
-                = std::max(layout.key_width, width_of(*text_actor(line.key, font, kInk, line.value.empty()), renderer));
+            double& widest = line.value.empty() ? layout.heading_width : layout.key_width;
+            widest = std::max(widest, width_of(*text_actor(line.key, font, kInk, line.value.empty()), renderer));
             if (!line.value.empty())
                 layout.value_width
                     = std::max(layout.value_width, width_of(*text_actor(line.value, font, kInk, true), renderer));

@@ -123,6 +123,32 @@ namespace {
         int x = 0, y = 0, width_px = 0, structure = 0, room = 0;
     };
 
+    /// Whether the middle of a word of this width may stand at a pixel: the word lies in the picture, and covers
+    /// neither title, legend nor scale.
+    bool may_stand(const Scene& scene, const IdentifierPicture& picture, int x, int y, int width_px)
+    {
+        constexpr double kLegendLine = 0.036; // of the picture's height, at most
+        const double legend = kLegendLine * static_cast<double>(scene.legend.size());
+        constexpr double kTitle = 0.07, kScale = 0.12, kScaleWidth = 0.3; // of the picture's height and width
+        const int left = x - width_px / 2, right = x + width_px / 2;
+        if (left < 0 || right > picture.width)
+            return false;
+        const bool by_title = y < kTitle * picture.height && left < picture.width / 2;
+        const bool by_legend = y < (kTitle + legend) * picture.height && left < scene.legend_share * picture.width;
+        const bool by_scale = y > (1.0 - kScale) * picture.height && left < kScaleWidth * picture.width;
+        return !by_title && !by_legend && !by_scale;
+    }
+
+    /// Whether a slice shows a place of its plane.
+    bool shows(const SliceItem& slice, const Vec3& place)
+    {
+        if (!slice.oblique)
+            return true; // as far as the image goes
+        const Vec3 offset = place - slice.point;
+        return std::abs(slice.oblique->right.dot(offset)) <= slice.oblique->half_width_mm
+            && std::abs(slice.oblique->up.dot(offset)) <= slice.oblique->half_height_mm;
+    }
+
 } // namespace
 
 IdentifierPicture identifier_picture(OffscreenRenderer& renderer, const Scene& scene,
@@ -173,9 +199,9 @@ IdentifierPicture identifier_picture(const SliceItem& slice, const Camera& camer
     }
     for (int row = 0; row < height; ++row)
         for (int column = 0; column < width; ++column) {
-            const Label label = slice.labels == nullptr
-                ? Label { 0 }
-                : mesh::label_at(*slice.labels, place_of(camera, column, row, width, height));
+            const Vec3 place = place_of(camera, column, row, width, height);
+            const Label label
+                = slice.labels == nullptr || !shows(slice, place) ? Label { 0 } : mesh::label_at(*slice.labels, place);
             const auto number = number_of.find(label);
             picture.structure.push_back(number != number_of.end() ? number->second : -1);
         }
@@ -212,17 +238,18 @@ void add_names(Scene& scene, const IdentifierPicture& picture)
     constexpr double kRoom = 0.006, kLetter = 0.012, kLine = 0.03;
     const std::vector<int> distance = distances_to_edge(picture);
     std::vector<Word> words(picture.names.size());
+    for (std::size_t n = 0; n < words.size(); ++n)
+        words[n].width_px
+            = static_cast<int>(kLetter * picture.height * static_cast<double>(readable(picture.names[n]).size()));
     for (std::size_t p = 0; p < distance.size(); ++p) {
         const int structure = picture.structure[p];
         if (structure < 0 || structure >= static_cast<int>(words.size()))
             continue;
         Word& word = words[static_cast<std::size_t>(structure)];
-        if (distance[p] > word.room)
-            word = { .x = static_cast<int>(p % static_cast<std::size_t>(picture.width)),
-                .y = static_cast<int>(p / static_cast<std::size_t>(picture.width)),
-                .width_px = 0,
-                .structure = structure,
-                .room = distance[p] };
+        const int x = static_cast<int>(p % static_cast<std::size_t>(picture.width)),
+                  y = static_cast<int>(p / static_cast<std::size_t>(picture.width));
+        if (distance[p] > word.room && may_stand(scene, picture, x, y, word.width_px))
+            word = { .x = x, .y = y, .width_px = word.width_px, .structure = structure, .room = distance[p] };
     }
     std::sort(words.begin(), words.end(), [](const Word& a, const Word& b) { return a.room > b.room; });
     std::vector<Word> placed;
@@ -230,7 +257,6 @@ void add_names(Scene& scene, const IdentifierPicture& picture)
         if (word.room < kRoom * picture.height)
             break;
         const std::string text = readable(picture.names[static_cast<std::size_t>(word.structure)]);
-        word.width_px = static_cast<int>(kLetter * picture.height * static_cast<double>(text.size()));
         const bool covers = std::any_of(placed.begin(), placed.end(), [&](const Word& other) {
             return std::abs(word.y - other.y) < kLine * picture.height
                 && 2 * std::abs(word.x - other.x) < word.width_px + other.width_px;

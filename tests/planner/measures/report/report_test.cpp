@@ -152,6 +152,9 @@ namespace report_test {
             "in the left intercostal space 4; the division is 279 mm long with the incision, and severs 10.9 cm2 "
             "beyond "
             "it");
+        field.division = DividedTissue { .length_mm = 70.0, .words = "not backwards (the ribs join)" };
+        EXPECT_EQ(division_cell(field), "skin only, although more was asked for");
+        EXPECT_EQ(division_text(field), "not backwards (the ribs join)");
     }
 
     TEST(Report, SetsSkinLengthAndFullDivisionSideBySide)

@@ -211,7 +211,8 @@ std::string spoken_name(const Approach& approach)
 {
     std::string usual = approach.template_name == "points" ? "drawn" : approach.template_name;
     std::replace(usual.begin(), usual.end(), ':', '_');
-    return approach.name == usual ? surgical_name(approach) : approach.name;
+    const std::string kind = parts_of(approach.template_name).first;
+    return approach.name == usual || approach.name == kind ? surgical_name(approach) : approach.name;
 }
 
 } // namespace retractor::planner

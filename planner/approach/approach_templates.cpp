@@ -459,6 +459,8 @@ namespace {
         sample_window(probe, nodes, window, approach);
         const std::size_t omitted = measure_wall(probe, approach);
         const std::string name = space_name(plan.left, space);
+        approach.template_name
+            = approach.template_name.substr(0, approach.template_name.find(':')) + ":" + std::to_string(space);
         const std::string room = check_clearance(probe.labels(), approach, name);
         approach.rationale = plan.words + " The line follows the middle of the " + name
             + ", half way between the centre-lines of rib " + std::to_string(space) + " and rib "
@@ -467,6 +469,9 @@ namespace {
             + (faces ? " It is centred where the space comes nearest to the target (" + in_words(nearest) + " mm)" : "")
             + (faces
                     ? (window.slid ? ", as far as the shoulder blade, the back muscles and the ribs' ends allow." : ".")
+                    : "")
+            + (window.to - window.from < plan.length_mm - 1.0
+                    ? " The space leaves no room for the " + in_words(plan.length_mm) + " mm that were asked."
                     : "")
             + (plan.shift_mm != 0.0 ? " It is moved along the space by " + in_words(std::abs(plan.shift_mm))
                         + " mm towards the " + (plan.shift_mm > 0.0 ? "front." : "back.")
@@ -503,6 +508,16 @@ namespace {
             .words = "Lateral thoracotomy, centred just in front of the mid-axillary line." };
     }
 
+    /// Names of the labels that do not belong to the wall.
+    std::string possible_targets(const mesh::LabelTable& table)
+    {
+        std::vector<std::string> names;
+        for (const mesh::LabelInfo& info : table)
+            if (!mesh::is_wall(info))
+                names.push_back(info.name);
+        return names.empty() ? std::string("none") : joined(names);
+    }
+
     /// Refuses a target that is not in the body, behind the wall.
     void check_target(const mesh::LabelVolume& labels, const TargetSpec& target)
     {
@@ -513,7 +528,9 @@ namespace {
         }
         const mesh::LabelInfo* info = mesh::find_label(labels.table, target.label);
         if (info == nullptr)
-            throw InputError("there is no label \"" + target.label + "\" in the label table", "target", { "target" });
+            throw InputError("there is no label \"" + target.label + "\"; the labels that can be a target are "
+                    + possible_targets(labels.table),
+                "target", { "target" });
         if (info->role == mesh::Role::wall)
             throw InputError(
                 "\"" + target.label + "\" is a part of the wall, which is cut: choose an organ, or a sphere", "target",
@@ -584,6 +601,10 @@ Approach approach_from_template(const mesh::LabelVolume& labels, const Anatomy& 
 {
     const ParsedTemplate parsed = parse_template(request.template_name);
     check_request(labels, request);
+    if (parsed.kind == "median" && request.length_mm > 0.0)
+        throw InputError(
+            "a median sternotomy is as long as the sternum: give no length, or give the incision by points", "length",
+            { "length_mm", "points" });
     const BodyProbe probe(labels);
     Approach approach = start(request, request.template_name);
     approach.uncut_labels = bone_names(labels.table);

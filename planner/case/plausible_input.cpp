@@ -23,7 +23,8 @@ namespace {
         double size; ///< one of it, in the unit of the range
     };
     constexpr MistakenUnit kStresses[] = { { "kPa", 1e-3 }, { "GPa", 1e3 }, { "Pa", 1e-6 } };
-    constexpr MistakenUnit kLengths[] = { { "m", 1e3 }, { "cm", 10.0 }, { "µm", 1e-3 } };
+    constexpr MistakenUnit kImageLengths[] = { { "m", 1e3 }, { "cm", 10.0 }, { "µm", 1e-3 } };
+    constexpr MistakenUnit kLengths[] = { { "m", 1e3 }, { "cm", 10.0 } }; // nobody gives an incision in µm
     constexpr MistakenUnit kPressures[]
         = { { "mmHg", 0.133322 }, { "Pa", 1e-3 }, { "cmH2O", 0.0980665 }, { "MPa", 1e3 } };
     constexpr MistakenUnit kForces[] = { { "kN", 1e3 }, { "mN", 1e-3 } };
@@ -62,14 +63,14 @@ namespace {
 
     bool lies_in(const PlausibleRange& range, double value) { return value >= range.least && value <= range.most; }
 
-    /// "look at the unit", or the unit that makes the number plausible.
+    /// "look at the number and its unit", or the unit that makes the number plausible.
     std::string question(const PlausibleRange& range, double value)
     {
         for (const MistakenUnit& unit : range.mistaken)
             if (lies_in(range, value * unit.size))
                 return std::string("is it in ") + unit.name + formatted(" (%.6g", value * unit.size) + range.unit
                     + ")?";
-        return "look at the unit";
+        return "look at the number and its unit";
     }
 
     /// The findings, in the order of the file.
@@ -180,7 +181,7 @@ std::optional<std::string> implausible_extent(const mesh::ImageGrid& grid)
     for (int axis = 0; axis < 3; ++axis)
         sides.at(static_cast<std::size_t>(axis)) = grid.size.at(static_cast<std::size_t>(axis)) * grid.spacing[axis];
     const double longest = *std::max_element(sides.begin(), sides.end());
-    const PlausibleRange range { kShortestImageMm, kLongestImageMm, " mm", kLengths };
+    const PlausibleRange range { kShortestImageMm, kLongestImageMm, " mm", kImageLengths };
     if (lies_in(range, longest))
         return std::nullopt;
     return formatted("the image is %.4g x %.4g x %.4g mm, and a longest side of %g to %g mm is plausible: ", sides[0],

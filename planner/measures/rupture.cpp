@@ -19,7 +19,8 @@ namespace {
 
 bool may_rupture(const FieldMetrics& field)
 {
-    return hook_opening(field).reached_mm > kRuptureOpeningMm && largest_force(field) > kRuptureForceN;
+    constexpr double kShownMm = 0.05; // what is shown as 30.0 mm is not beyond 30 mm
+    return hook_opening(field).reached_mm > kRuptureOpeningMm + kShownMm && largest_force(field) > kRuptureForceN;
 }
 
 std::string rupture_text(const FieldMetrics& field)

@@ -180,14 +180,17 @@ ForceInterval force_interval(const FieldMetrics& field)
 Verdict verdict_of(const FieldMetrics& field)
 {
     Sentences said;
-    if (const std::string why = doubt(field); !why.empty())
-        say(said, Light::unknown, why);
-    say_bones(field, said);
-    say_tissue(field, said);
-    say_risks(field, said);
-    say_sight(field, said);
-    say_opening(field, said);
-    say_force(field, said);
+    if (const std::string why = doubt(field); !why.empty()) {
+        say(said, Light::unknown, why); // numbers beside this sentence would be used all the same
+        say_risks(field, said);
+    } else {
+        say_bones(field, said);
+        say_tissue(field, said);
+        say_risks(field, said);
+        say_sight(field, said);
+        say_opening(field, said);
+        say_force(field, said);
+    }
     std::ranges::stable_sort(said, is_worse);
     Verdict verdict { .light = said.front().light, .sentences = {} };
     for (Said& each : said)

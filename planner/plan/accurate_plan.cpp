@@ -50,7 +50,9 @@ namespace {
             accuracy_ = { .asked = asked_.goal, .edge_mm = best_.approach.sizing.corridor_edge_mm };
             last_tets_ = static_cast<double>(best_.metrics.tets);
             if (best_.status != PlanStatus::done)
-                end(AccuracyEnd::failure, "the wound did not open as far as asked on the first mesh");
+                end(AccuracyEnd::failure,
+                    best_.status == PlanStatus::inverted ? "elements of the first mesh are inside out"
+                                                         : "the wound did not open as far as asked on the first mesh");
             while (!ended_ && !met_or_at_limit())
                 try_finer();
             const ReachedAccuracy reached = reached_accuracy(best_.metrics);

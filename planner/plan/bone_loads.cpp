@@ -68,7 +68,10 @@ void measure_bones(PlannedField& field, const OpenedWound& wound, const SolverSe
     FieldMetrics& m = field.metrics;
     const bool in_equilibrium = is_usable(field.opening);
     m.bones_rough = choice.element == ElementKind::p1;
-    if (!in_equilibrium) {
+    const bool inverted = field.opening.status == fem::OpeningStatus::inverted && !in_equilibrium;
+    if (inverted) {
+        m.bones_message = "elements of the model are inside out"; // which says nothing of the patient
+    } else if (!in_equilibrium) {
         m.bones_message = "the computation found no equilibrium";
     } else if (has_condensed_region(field)) {
         m.bones_message
@@ -82,7 +85,7 @@ void measure_bones(PlannedField& field, const OpenedWound& wound, const SolverSe
             m.bones_message = error.what();
         }
     }
-    set_attainable(m, in_equilibrium);
+    set_attainable(m, in_equilibrium || inverted);
     if (m.attainable == Attainable::with_injury)
         remark(field.message, "attainable " + attainable_text(m));
 }

@@ -38,7 +38,7 @@ h1 { font-size: 26px; margin: 8px 0; } h2 { font-size: 21px; margin: 36px 0 8px;
 .notice { background: #fff4d6; border-left: 5px solid #d99a00; padding: 8px 14px; }
 table { border-collapse: collapse; background: #fff; width: 100%; }
 th, td { border: 1px solid #d3dce4; padding: 6px 10px; text-align: right; } th:first-child, td:first-child { text-align: left; }
-thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; } .caution { color: #8a5a00; }
+thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; } .failed { color: #9aa5af; text-decoration: line-through; } .caution { color: #8a5a00; }
 .verdict { background: #fff; border-left: 10px solid #9aa5af; padding: 10px 14px; font-size: 18px; }
 .verdict::before { font-weight: 700; margin-right: 8px; } .verdict.clear { border-color: #2f8f5b; } .verdict.clear::before { content: "No objection."; }
 .verdict.caution { border-color: #d99a00; } .verdict.caution::before { content: "Caution."; } .verdict.injury { border-color: #b3261e; } .verdict.injury::before { content: "Objection."; }
@@ -85,8 +85,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
     /// Explains the marks, and how certain the shares without a bar of their own are.
     void write_reading(std::ostream& out, const std::vector<FieldMetrics>& fields)
     {
-        out << "<p class=\"reading\">What the best eye sees is a share of what an eye would see with the wall removed; what "
-               "the eyes of the cone see is a share of the target's whole area, and so may be smaller. Green: better than every other approach by more than both error bars together. "
+        out << "<p class=\"reading\">What the best eye sees is a share of what an eye would see with the wall removed; "
+               "what "
+               "the eyes of the cone see is a share of the target's whole area, and so may be smaller. Green: better "
+               "than every other approach by more than both error bars together. "
                "Without a mark the lead is within the error, or the error is unknown. The other shares of the target "
                "have no error bars of their own: they are at least as uncertain as the opening, whose bar is ";
         for (std::size_t i = 0; i < fields.size(); ++i) {
@@ -158,13 +160,16 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
     {
         out << "<table><thead><tr><th>Measure</th>";
         for (const FieldMetrics& field : fields)
-            out << "<th>" << escaped(field.name) << "</th>";
+            out << "<th>" << escaped(field.name)
+                << (is_solved(field) ? "" : " <span class=\"bad\">failed: do not use</span>") << "</th>";
         out << "</tr></thead><tbody>";
         for (const ComparedMeasure& row : compared_measures(fields)) {
             out << "<tr><td title=\"" << escaped(row.metric->meaning) << "\">" << escaped(row.metric->caption)
                 << "</td>";
             for (std::size_t i = 0; i < row.numbers.size(); ++i) {
-                out << (row.leader == i ? "<td class=\"best\">" : "<td>")
+                out << (row.leader == i        ? "<td class=\"best\">"
+                        : is_solved(fields[i]) ? "<td>"
+                                               : "<td class=\"failed\">")
                     << metric_text(*row.metric, row.numbers[i].value);
                 if (row.numbers[i].bar)
                     out << " &plusmn; " << metric_text(*row.metric, *row.numbers[i].bar);

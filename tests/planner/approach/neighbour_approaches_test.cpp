@@ -123,7 +123,7 @@ namespace neighbour_approaches_test {
 
     TEST(NeighbourApproaches, ThatCannotBeHaveAReason)
     {
-        EXPECT_TRUE(neighbours_of(patient(), from_template("median")).empty());
+        EXPECT_TRUE(neighbours_of(patient(), from_template("median", true, 0.0)).empty());
         const std::vector<NeighbourApproach> last = neighbours_of(patient(), from_template("intercostal:7"));
         ASSERT_EQ(last.size(), 4U); // the chest has eight ribs
         EXPECT_FALSE(last[1].approach);

@@ -90,7 +90,7 @@ namespace plausible_input_test {
             { "the Young's modulus of skin is 200 MPa", "0.005 to 100 MPa", "is it in kPa (0.2 MPa)?" });
         expect_refused(with("bone", 10.0), "/materials/4/youngs_modulus_MPa", { "is it in GPa (10000 MPa)?" });
         expect_refused(with("skin", 2e5), skin, { "is it in Pa (0.2 MPa)?" });
-        expect_refused(with("bone", 1e-9), "/materials/4/youngs_modulus_MPa", { "look at the unit" });
+        expect_refused(with("bone", 1e-9), "/materials/4/youngs_modulus_MPa", { "look at the number and its unit" });
         EXPECT_EQ(refusal(with("skin", 83.0)), "") << "skin in tension to failure";
         EXPECT_EQ(refusal(with("bone", 13500.0)), "") << "cortical bone";
     }

@@ -198,8 +198,8 @@ namespace {
     {
         std::string text = "The score of an approach, 0 to 100 points, is the weighted mean of:\n";
         for (const planner::Criterion& criterion : planner::criteria())
-            text += formatted(
-                "  %-12s %s (weight %s)\n", criterion.key, criterion.meaning, formatted("%g", criterion.weight).c_str());
+            text += formatted("  %-12s %s (weight %s)\n", criterion.key, criterion.meaning,
+                formatted("%g", criterion.weight).c_str());
         return text;
     }
 

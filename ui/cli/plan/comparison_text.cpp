@@ -86,7 +86,8 @@ namespace {
     {
         std::vector<std::vector<std::string>> rows { { "" } };
         for (std::size_t n = 0; n < marked.metrics.size(); ++n)
-            rows.front().push_back(planner::compared_letter(n));
+            rows.front().push_back(
+                planner::compared_letter(n) + (planner::is_solved(marked.metrics[n]) ? "" : " (failed)"));
         for (const planner::ComparedMeasure& measure : planner::compared_measures(marked.metrics)) {
             rows.push_back({ measure.metric->caption });
             for (std::size_t n = 0; n < marked.metrics.size(); ++n)

@@ -235,7 +235,7 @@ TargetPixels target_pixels(OffscreenRenderer& renderer, const Scene& scene, int 
 void add_names(Scene& scene, const IdentifierPicture& picture)
 {
     // Of the picture's height: a structure must have this room for its name, and letters have this size.
-    constexpr double kRoom = 0.006, kLetter = 0.012, kLine = 0.03;
+    constexpr double kRoom = 0.006, kLetter = 0.0145, kLine = 0.03;
     const std::vector<int> distance = distances_to_edge(picture);
     std::vector<Word> words(picture.names.size());
     for (std::size_t n = 0; n < words.size(); ++n)

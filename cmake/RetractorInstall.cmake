@@ -29,7 +29,9 @@ endforeach()
 foreach(folder ${RETRACTOR_INSTALLED_FOLDERS})
   # The headers' own paths ("mesh/cutting/cut_session.h") stay what they are, below a folder of ours.
   install(DIRECTORY ${folder} DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/retractor" COMPONENT development
-    FILES_MATCHING PATTERN "*.h")
+    FILES_MATCHING PATTERN "*.h"
+    PATTERN "planner/evidence" EXCLUDE # these two belong to a command, and to no exported library
+    PATTERN "datasets/tables" EXCLUDE)
 endforeach()
 set_target_properties(retractor_options PROPERTIES EXPORT_NAME options)
 target_include_directories(retractor_options INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/retractor>)

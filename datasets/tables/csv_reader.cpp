@@ -4,6 +4,8 @@
 
 #include <csv.h>
 
+#include <cerrno>
+#include <exception>
 #include <fstream>
 #include <system_error>
 
@@ -21,7 +23,12 @@ namespace {
     void add_field(void* bytes, std::size_t size, void* data)
     {
         auto& reading = *static_cast<Reading*>(data);
-        reading.row.fields.emplace_back(static_cast<const char*>(bytes), size);
+        if (!reading.failure)
+            try {
+                reading.row.fields.emplace_back(static_cast<const char*>(bytes), size);
+            } catch (...) {
+                reading.failure = std::current_exception();
+            }
     }
 
     void end_row(int, void* data)
@@ -71,6 +78,9 @@ void read_csv(const std::filesystem::path& file, const std::function<void(const 
         ++line;
         if (line == 1 && text.starts_with("\xEF\xBB\xBF"))
             text.erase(0, 3);
+        if (const std::size_t alone = text.find('\r'); alone < text.size() - 1 && alone != std::string::npos)
+            throw InputError("a carriage return stands alone: save the file with the line ends of Unix or Windows",
+                file.filename().string() + ":" + std::to_string(line));
         done += text.size() + 1;
         text += '\n';
         if (reading.row.line == 0)

@@ -135,7 +135,7 @@ Approach with_incision_through(Patient& patient, const Approach& approach, const
     request.sizing = approach.sizing;
     request.view = approach.view;
     Approach placed = approach_from_points(*patient.labels(), points, request).approach;
-    placed.rationale = "Incision moved by hand. " + placed.rationale;
+    placed.rationale = std::string(kMovedByHand) + placed.rationale;
     return with_incision_of(approach, placed);
 }
 

@@ -6,6 +6,7 @@
 #include "planner/case/patient.h"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor::planner {
@@ -42,6 +43,9 @@ Approach approach_from_draft(Patient& patient, const Case& planned_case, const A
 
 /// The same approach opened by something else. @throws InputError as make_hooks() and set_retractor() do
 Approach opened_by(Approach approach, const OpenedBy& opening);
+
+/// Begin of the rationale of an incision that was moved.
+inline constexpr std::string_view kMovedByHand = "Incision moved by hand. ";
 
 /// The same approach with its incision through other points. Hooks or retractor, target, organs and divided layers
 /// stay; tissue that was to be removed stays where it is along the incision.

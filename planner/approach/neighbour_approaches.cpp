@@ -139,6 +139,15 @@ namespace {
         return with_incision_through(patient, approach, points);
     }
 
+    /// Says in the rationale where the incision comes from.
+    void say_origin(Approach& neighbour, const Approach& approach, const std::string& where)
+    {
+        std::string& why = neighbour.rationale;
+        if (why.starts_with(kMovedByHand))
+            why.erase(0, kMovedByHand.size());
+        why = "As " + approach.name + ", " + where + ". " + why;
+    }
+
     /// A neighbour, or the reason why there is none.
     NeighbourApproach tried(std::string where, const std::function<Approach()>& make)
     {
@@ -163,15 +172,20 @@ namespace {
                 approach.ablations, [](const AblationSpec& ablation) { return !ablation.label.empty(); });
             if (removes_bone)
                 throw InputError("the approach removes tissue of its own space");
-            if (!by_template)
-                return drawn_in_space(patient, around, approach, number);
+            if (!by_template) {
+                Approach moved = drawn_in_space(patient, around, approach, number);
+                moved.template_name = "points"; // the space of a template is another one
+                return moved;
+            }
             const Approach placed = from_template(around, approach, { around.space->left, number }, 0.0);
             Approach moved = with_incision_of(approach, placed);
             moved.template_name = placed.template_name;
             return moved;
         });
-        if (neighbour.approach)
+        if (neighbour.approach) {
             neighbour.approach->name = approach.name + "_space_" + std::to_string(number);
+            say_origin(*neighbour.approach, approach, neighbour.where);
+        }
         return neighbour;
     }
 
@@ -198,6 +212,7 @@ namespace {
             neighbour.where = in_words(std::round(moved)) + " mm " + direction;
             neighbour.approach->name
                 = approach.name + "_" + in_words(std::round(moved)) + "mm_" + name_suffix(direction);
+            say_origin(*neighbour.approach, approach, neighbour.where);
         }
         return neighbour;
     }

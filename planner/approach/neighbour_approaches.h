@@ -24,7 +24,7 @@ struct NeighbourApproach {
 /// Template, length, division, target, views and what opens the wound are those of the approach. An incision that was
 /// drawn is moved to the same angles of the other space. An incision that follows no space has neighbours along itself
 /// only, and a median sternotomy has none.
-/// @throws InputError, IoError as Patient::labels() and Patient::anatomy() do
+/// Labels without landmarks have no spaces. @throws InputError, IoError as Patient::labels() does
 std::vector<NeighbourApproach> neighbours_of(Patient& patient, const Approach& approach);
 
 } // namespace retractor::planner

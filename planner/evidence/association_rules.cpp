@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -50,7 +51,7 @@ namespace {
         rule.lift = rule.confidence / rule.right_support;
         const double expected = l * r / n, variance = expected * (1.0 - expected / n);
         rule.z = variance > 0.0 ? (both - expected) / std::sqrt(variance) : 0.0;
-        rule.p = std::erfc(std::abs(rule.z) / std::numbers::sqrt2);
+        rule.p = p_of_both(persons, n_left, n_right, n_both);
         return rule;
     }
 
@@ -84,7 +85,7 @@ namespace {
             const std::vector<double> adjusted = adjusted_p_values(p_);
             for (std::size_t n = 0; n < found_.rules.size(); ++n)
                 found_.rules[n].p_adjusted = adjusted[at_[n]];
-            found_.looked_at = p_.size();
+            found_.tested = p_.size();
             std::ranges::stable_sort(
                 found_.rules, [](const AssociationRule& a, const AssociationRule& b) { return a.lift > b.lift; });
             return std::move(found_);
@@ -95,7 +96,7 @@ namespace {
         {
             for (const std::size_t right : rights_)
                 if (std::ranges::find(left, right) == left.end())
-                    look_at(left, right, count, count_of_both(holders, table_.items[right].holders));
+                    test(left, right, count, count_of_both(holders, table_.items[right].holders));
             if (static_cast<int>(left.size()) >= thresholds_.most_left)
                 return;
             Holders both(holders.size());
@@ -112,11 +113,11 @@ namespace {
             }
         }
 
-        void look_at(const std::vector<std::size_t>& left, std::size_t right, std::size_t n_left, std::size_t n_both)
+        void test(const std::vector<std::size_t>& left, std::size_t right, std::size_t n_left, std::size_t n_both)
         {
             AssociationRule rule = rule_of(left, right, table_.persons, n_left, counts_[right], n_both);
             if (p_.size() >= kMostRules)
-                throw InputError("there are more than 50 million rules to look at: ask for more support, or fewer "
+                throw InputError("there are more than 50 million rules to test: ask for more support, or fewer "
                                  "items on the left side",
                     "support", { "support", "most_left" });
             p_.push_back(rule.p);
@@ -133,7 +134,7 @@ namespace {
         const Job& job_;
         std::size_t least_;
         std::vector<std::size_t> counts_, lefts_, rights_;
-        std::vector<double> p_; ///< of all rules that were looked at
+        std::vector<double> p_; ///< of all rules that were tested
         std::vector<std::size_t> at_; ///< places of the found rules among them
         FoundRules found_;
     };
@@ -158,6 +159,29 @@ FoundRules find_rules(const ItemTable& table, const RuleThresholds& thresholds, 
     for (const Item& item : table.items)
         RETRACTOR_ASSERT(item.holders.size() == words_for(table.persons));
     return Search(table, thresholds, job).run();
+}
+
+double p_of_both(std::size_t persons, std::size_t n_left, std::size_t n_right, std::size_t n_both)
+{
+    RETRACTOR_ASSERT(n_both <= n_left && n_both <= n_right && n_left <= persons && n_right <= persons);
+    const auto n = static_cast<double>(persons), l = static_cast<double>(n_left), r = static_cast<double>(n_right);
+    if (std::min(n_left, n_right) > kExactUpTo) {
+        const double variance = l * r * (n - l) * (n - r) / (n * n * (n - 1.0));
+        return variance > 0.0 ? std::erfc(std::abs(static_cast<double>(n_both) - l * r / n) / std::sqrt(2.0 * variance))
+                              : 1.0;
+    }
+    // log C(n, k)
+    const auto choose = [](double all, double some) {
+        return std::lgamma(all + 1.0) - std::lgamma(some + 1.0) - std::lgamma(all - some + 1.0);
+    };
+    const auto log_chance = [&](double both) { return choose(l, both) + choose(n - l, r - both) - choose(n, r); };
+    constexpr double kEqual = 1e-7; // splits that are as likely but for rounding
+    const double found = log_chance(static_cast<double>(n_both)) + kEqual;
+    double p = 0.0;
+    for (double both = std::max(0.0, l + r - n); both <= std::min(l, r); both += 1.0)
+        if (const double chance = log_chance(both); chance <= found)
+            p += std::exp(chance);
+    return std::min(p, 1.0);
 }
 
 std::vector<double> adjusted_p_values(const std::vector<double>& p)

@@ -6,7 +6,7 @@
 
 namespace retractor::planner {
 
-ShareInterval exact_interval(std::size_t successes, std::size_t trials, double confidence)
+ShareInterval clopper_pearson_interval(std::size_t successes, std::size_t trials, double confidence)
 {
     RETRACTOR_ASSERT(successes <= trials && confidence > 0.0 && confidence < 1.0);
     ShareInterval interval;

@@ -12,6 +12,6 @@ struct ShareInterval {
 /// The interval of the share of successes in a number of trials. Without a trial it is 0 to 1.
 /// @param confidence between 0 and 1
 /// @pre successes <= trials
-ShareInterval exact_interval(std::size_t successes, std::size_t trials, double confidence = 0.95);
+ShareInterval clopper_pearson_interval(std::size_t successes, std::size_t trials, double confidence = 0.95);
 
 } // namespace retractor::planner

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 
 #include <algorithm>
+#include <memory>
 #include <set>
 
 namespace retractor::planner {
@@ -12,8 +13,14 @@ namespace {
     constexpr const char* kWhere = "rule";
 
     /// The examinations that the rule gives. @throws InputError as apply_rule()
-    std::set<std::string> found_by(const datasets::SqliteDatabase& database, std::string_view sql)
+    std::set<std::string> found_by(const datasets::SqliteDatabase& database, std::string_view sql, const Job& job)
     {
+        constexpr int kInstructions = 100'000; // between two questions whether the job is cancelled
+        sqlite3_progress_handler(
+            database.handle.get(), kInstructions,
+            [](void* asked) { return static_cast<const Job*>(asked)->cancelled() ? 1 : 0; },
+            const_cast<Job*>(&job)); // the handler only reads
+
         sqlite3_stmt* handle = nullptr;
         const char* tail = nullptr;
         const int prepared
@@ -25,8 +32,11 @@ namespace {
             throw InputError("holds no statement", kWhere);
         if (sqlite3_stmt_readonly(handle) == 0)
             throw InputError("changes the database; a rule is one SELECT statement", kWhere);
-        const std::string_view rest(tail, static_cast<std::size_t>(sql.data() + sql.size() - tail));
-        if (rest.find_first_not_of(" \t\r\n;") != std::string_view::npos)
+        sqlite3_stmt* second = nullptr; // nothing where only spaces and comments follow
+        const int rest = sqlite3_prepare_v2(
+            database.handle.get(), tail, static_cast<int>(sql.data() + sql.size() - tail), &second, nullptr);
+        const std::unique_ptr<sqlite3_stmt, datasets::CloseSqlite> other(second);
+        if (rest != SQLITE_OK || other)
             throw InputError("holds more than one statement", kWhere);
         int column = -1;
         for (int c = 0; c < sqlite3_column_count(handle); ++c)
@@ -42,6 +52,9 @@ namespace {
                 throw InputError("gives a row without an examination", kWhere);
             found.insert(text);
         }
+        sqlite3_progress_handler(database.handle.get(), 0, nullptr, nullptr);
+        if (result == SQLITE_INTERRUPT)
+            return {};
         if (result != SQLITE_DONE)
             throw InputError(std::string("cannot be carried out: ") + sqlite3_errmsg(database.handle.get()), kWhere);
         return found;
@@ -53,14 +66,14 @@ namespace {
         for (const FoundExamination& found : result.found)
             ++(!found.complication ? judgement.unknown : *found.complication ? judgement.right : judgement.wrong);
         judgement.missed = complications - judgement.right;
-        judgement.precision = exact_interval(judgement.right, judgement.right + judgement.wrong);
-        judgement.recall = exact_interval(judgement.right, complications);
+        judgement.precision = clopper_pearson_interval(judgement.right, judgement.right + judgement.wrong);
+        judgement.recall = clopper_pearson_interval(judgement.right, complications);
         return judgement;
     }
 
 } // namespace
 
-RuleResult apply_rule(const datasets::SqliteDatabase& database, std::string_view sql, bool has_truth)
+RuleResult apply_rule(const datasets::SqliteDatabase& database, std::string_view sql, bool has_truth, const Job& job)
 {
     RuleResult result;
     datasets::SqliteStatement months(
@@ -75,7 +88,7 @@ RuleResult apply_rule(const datasets::SqliteDatabase& database, std::string_view
                     "ON t.examination = e.examination WHERE e.examination = ?"
                   : "SELECT patient, date, NULL FROM examination WHERE examination = ?");
     std::set<std::string> patients;
-    for (const std::string& examination : found_by(database, sql)) {
+    for (const std::string& examination : found_by(database, sql, job)) {
         details.reset();
         details.bind(std::string_view(examination));
         if (!details.step())

@@ -2,6 +2,7 @@
 // Applies a rule that identifies a complication to hospital records, and judges it where the truth is known.
 
 #include "datasets/tables/sqlite_statement.h"
+#include "mesh/base/job.h"
 #include "planner/evidence/binomial_interval.h"
 
 #include <map>
@@ -41,7 +42,8 @@ struct RuleResult {
 
 /// @param sql one SELECT statement with a column `examination`
 /// @throws InputError on a statement that is wrong, that changes the database, or that names an unknown examination;
-/// IoError
-RuleResult apply_rule(const datasets::SqliteDatabase& database, std::string_view sql, bool has_truth);
+/// IoError. The job's cancellation ends the statement, and nothing is found.
+RuleResult apply_rule(
+    const datasets::SqliteDatabase& database, std::string_view sql, bool has_truth, const Job& job = {});
 
 } // namespace retractor::planner

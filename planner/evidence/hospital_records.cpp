@@ -135,6 +135,8 @@ namespace {
             const auto at = std::ranges::find(header.fields, column.name);
             if (at == header.fields.end())
                 throw InputError(std::string("has no column \"") + column.name + "\"", table.file);
+            if (std::find(at + 1, header.fields.end(), column.name) != header.fields.end())
+                throw InputError(std::string("has the column \"") + column.name + "\" twice", table.file);
             found.push_back(static_cast<std::size_t>(at - header.fields.begin()));
         }
         return found;
@@ -212,11 +214,12 @@ namespace {
             ++found;
             loaded.bad.add({ table.file, static_cast<std::size_t>(select.integer(0)),
                 "examination \"" + select.text(1)
-                    + (select.integer(2) != 0 ? "\" is not in examinations.csv" : "\" is another patient's") });
+                    + (select.integer(2) != 0 ? "\" has no right row in examinations.csv"
+                                              : "\" is another patient's") });
         }
         if (found == 0)
             return;
-        database.run("DELETE FROM " + name + " WHERE line IN (SELECT t.line " + wrong + ")");
+        database.run("DELETE FROM " + name + " WHERE rowid IN (SELECT t.rowid " + wrong + ")");
         loaded.rows[name] -= found;
     }
 

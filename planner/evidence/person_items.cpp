@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace retractor::planner {
 
@@ -51,8 +53,8 @@ namespace {
             return column;
         };
         columns.person = place(described.person_column);
-        if (at.contains(described.year_column))
-            columns.year = place(described.year_column);
+        if (at.contains(described.year_column) || described.year_column != PersonTable {}.year_column)
+            columns.year = place(described.year_column); // one that was named must be there
         for (const std::string& exposure : described.exposures)
             columns.exposures.push_back(place(exposure));
         for (std::size_t c = 0; c < header.fields.size(); ++c)
@@ -118,7 +120,9 @@ namespace {
                 if (const std::string& text = row.fields[column]; text != "0" && text != "1" && !text.empty())
                     return "\"" + text + "\" is no finding, expected 0 or 1";
             const auto [known, is_new] = index_of_.try_emplace(person, years_.size());
-            if (!is_new && years_[known->second] == year)
+            if (!columns_.year && !is_new)
+                return "is a second record of the person \"" + person + "\"";
+            if (columns_.year && !records_.insert(person + '\n' + row.fields[*columns_.year]).second)
                 return "is a second record of the person \"" + person + "\" in one year";
             if (is_new)
                 add_person();
@@ -152,6 +156,7 @@ namespace {
         Columns columns_;
         PersonItems& items_;
         std::unordered_map<std::string, std::size_t> index_of_;
+        std::unordered_set<std::string> records_; ///< person and year
         std::vector<double> years_;
         std::vector<std::vector<double>> exposures_;
         std::vector<std::vector<std::uint64_t>> holders_;

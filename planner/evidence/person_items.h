@@ -21,7 +21,7 @@ namespace retractor::planner {
 
 struct PersonTable {
     std::string person_column = "person", year_column = "year";
-    std::vector<std::string> exposures; ///< columns with numbers; empty: all columns are findings
+    std::vector<std::string> exposures {}; ///< columns with numbers; empty: all columns are findings
     bool separate = false; ///< exposures are items one by one, too
     bool skip_bad = false; ///< rows that are wrong are left out
 };

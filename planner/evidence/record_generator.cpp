@@ -260,7 +260,8 @@ void write_exposure_records(const fs::path& file, unsigned seed)
     write_file_atomically(file, text);
 }
 
-void write_random_findings(const fs::path& file, std::size_t persons, std::size_t findings, double share, unsigned seed)
+void write_random_findings(
+    const fs::path& file, std::size_t persons, std::size_t findings, double share, unsigned seed, const Job& job)
 {
     write_file_atomically(file, [&](const fs::path& temporary) {
         std::ofstream out(temporary, std::ios::binary);
@@ -271,7 +272,12 @@ void write_random_findings(const fs::path& file, std::size_t persons, std::size_
         std::mt19937 random(seed);
         const auto limit = static_cast<std::uint32_t>(share * 4294967295.0);
         std::string record;
+        constexpr std::size_t kReportEvery = 1 << 14;
         for (std::size_t person = 0; person < persons; ++person) {
+            if (person % kReportEvery == 0)
+                job.report("persons", static_cast<double>(person) / static_cast<double>(persons));
+            if (job.cancelled())
+                throw SolverError("cancelled: the file is not written");
             record = std::to_string(person);
             for (std::size_t f = 0; f < findings; ++f)
                 record += random() < limit ? ",1" : ",0";

@@ -1,6 +1,8 @@
 #pragma once
 // Made-up records with the counts that two studies published, and large random ones to measure time on. Nobody's data.
 
+#include "mesh/base/job.h"
+
 #include <cstddef>
 #include <filesystem>
 
@@ -25,8 +27,9 @@ void write_complication_records(
 /// @throws IoError
 void write_exposure_records(const std::filesystem::path& file, unsigned seed = 1);
 
-/// Writes persons with independent findings, each held by a share of them. @throws IoError
-void write_random_findings(
-    const std::filesystem::path& file, std::size_t persons, std::size_t findings, double share, unsigned seed = 1);
+/// Writes persons with independent findings, each held by a share of them. A cancelled job leaves no file.
+/// @throws IoError
+void write_random_findings(const std::filesystem::path& file, std::size_t persons, std::size_t findings, double share,
+    unsigned seed = 1, const Job& job = {});
 
 } // namespace retractor::planner

@@ -1,6 +1,6 @@
 #include "planner/measures/comparison.h"
 
-#include "planner/measures/volume_failures.h"
+#include "planner/measures/verdict.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ namespace {
 
 bool has_error_bars(const FieldMetrics& field) { return field.error && field.error->message.empty(); }
 
-bool is_solved(const FieldMetrics& field) { return field.mechanics_status == "converged" && is_believable(field); }
+bool is_solved(const FieldMetrics& field) { return why_not_to_use(field).empty(); }
 
 std::optional<double> relative_opening_bar(const FieldMetrics& field)
 {

@@ -15,7 +15,7 @@ namespace retractor::planner {
 /// Whether the discretisation error of the field was estimated.
 bool has_error_bars(const FieldMetrics& field);
 
-/// Whether the field was opened as asked and can be believed. Another field leads in nothing.
+/// Whether nothing speaks against the numbers of the field (why_not_to_use()). Another field leads in nothing.
 bool is_solved(const FieldMetrics& field);
 
 /// The error bar of the opening as a share of the opening; nothing without an estimate.

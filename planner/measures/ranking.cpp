@@ -19,6 +19,8 @@ namespace retractor::planner {
 
 namespace {
 
+    constexpr double kLargestAngleDeg = 60.0;
+
     double bar_of(const char* key, const Candidate& candidate)
     {
         return error_bar(metric_field(key), candidate.field).value_or(0.0);
@@ -26,10 +28,25 @@ namespace {
 
     double bone_load(const Candidate& candidate)
     {
-        double load = candidate.divided_bones.empty() ? 0.0 : 1.0;
-        for (const BoneMetrics& bone : candidate.field.bones)
+        const FieldMetrics& field = candidate.field;
+        const bool removed = std::ranges::any_of(
+            field.removed, [](const RemovedTissue& tissue) { return is_long_bone(tissue.label); });
+        double load = candidate.divided_bones.empty() && !removed ? 0.0 : 1.0;
+        for (const BoneMetrics& bone : field.bones)
             load = std::max(load, std::min(bone.utilisation, 1.0));
         return load;
+    }
+
+    /// All or nothing where the loads were not computed.
+    double bone_bar(const Candidate& candidate)
+    {
+        return candidate.field.bones.empty() && !candidate.field.bones_message.empty() ? 1.0 : 0.0;
+    }
+
+    /// Where nothing is seen there is no line of sight, straight or not.
+    double angle_off_the_straight_view(const Candidate& candidate)
+    {
+        return candidate.field.seen_best_eye > 0.0 ? candidate.field.coaxiality_deg : kLargestAngleDeg;
     }
 
     double nearest_risk(const Candidate& candidate)
@@ -46,6 +63,13 @@ namespace {
         const FieldMetrics& field = candidate.field;
         return field.force_moments && field.force_moments->message.empty() ? field.force_moments->peak_N
                                                                            : field.hook_force_N;
+    }
+
+    /// The bar is that of the force in the plan, and grows with it to the force at the last turn.
+    double peak_force_bar(const Candidate& candidate)
+    {
+        const double force = candidate.field.hook_force_N;
+        return force > 0.0 ? bar_of("hook_force_N", candidate) * peak_force(candidate) / force : 0.0;
     }
 
     constexpr auto kNoBar = [](const Candidate&) { return 0.0; };
@@ -68,10 +92,10 @@ namespace {
         { .key = "angle",
             .caption = "straight view",
             .meaning = "angle between the best line of sight and the straight view into the opening, 60 to 0 degrees",
-            .worst = 60.0,
+            .worst = kLargestAngleDeg,
             .best = 0.0,
             .exposure = true,
-            .value = [](const Candidate& one) { return one.field.coaxiality_deg; },
+            .value = angle_off_the_straight_view,
             .bar = kNoBar },
         { .key = "incision",
             .caption = "short incision",
@@ -82,13 +106,14 @@ namespace {
             .bar = kNoBar },
         { .key = "bone",
             .caption = "bone spared",
-            .meaning = "a bone that is sawn through or breaks counts 1, else the largest share of what a bone bears: "
-                       "1 to 0",
+            .meaning
+            = "a bone that is sawn through, removed or breaks counts 1, else the largest share of what a bone bears: "
+              "1 to 0",
             .worst = 1.0,
             .best = 0.0,
             .weight = 2.0,
             .value = bone_load,
-            .bar = kNoBar },
+            .bar = bone_bar },
         { .key = "risk",
             .caption = "structures far",
             .meaning = "distance of the nearest structure at risk from the blades, 0 to 20 mm",
@@ -103,10 +128,10 @@ namespace {
             .worst = 2.0 * kRuptureForceN,
             .best = 0.0,
             .value = peak_force,
-            .bar = [](const Candidate& one) { return bar_of("hook_force_N", one); } },
+            .bar = peak_force_bar },
     } };
 
-    bool beats(const Score& one, const Score& other, const Weights& weights)
+    bool dominates(const Score& one, const Score& other, const Weights& weights)
     {
         bool better = false;
         for (std::size_t n = 0; n < kCriteria; ++n) {
@@ -129,6 +154,21 @@ namespace {
             return structure + " lies against the " + readable(risk.from) + ".";
         return structure + " lies " + two_digits(risk.distance_mm) + " mm from the "
             + (risk.from.empty() ? "blade that cuts" : readable(risk.from)) + ".";
+    }
+
+    /// What a plan that can be used foretells.
+    void add_injuries(const FieldMetrics& field, std::vector<std::string>& sentences)
+    {
+        for (const BoneMetrics& bone : field.bones)
+            if (bone.opening_at_limit_mm)
+                sentences.push_back(capital(bone_in_words(bone.name)) + " would break from "
+                    + two_digits(*bone.opening_at_limit_mm) + " mm on.");
+        for (const TissueStrain& tissue : field.tissue_strain)
+            if (may_tear(tissue))
+                sentences.push_back(
+                    "The " + readable(tissue.tissue) + (would_tear(tissue) ? " would tear." : " may tear."));
+        if (may_rupture(field))
+            sentences.emplace_back("Tissue ruptured in half of such retractions in pigs.");
     }
 
 } // namespace
@@ -197,8 +237,8 @@ std::vector<RankedField> ranked(std::span<const Candidate> candidates, const Wei
             order[n].within_error = !above.bar || !own.bar || above.points - own.points <= *above.bar + *own.bar;
         }
         for (const RankedField& other : order)
-            if (beats(other.score, order[n].score, weights)) {
-                order[n].beaten_by = other.index;
+            if (dominates(other.score, order[n].score, weights)) {
+                order[n].dominated_by = other.index;
                 break;
             }
     }
@@ -216,22 +256,25 @@ std::vector<std::string> crisis_check(const Candidate& candidate)
             sentences.push_back(risk_sentence(risk));
     for (const std::string& bone : candidate.divided_bones)
         sentences.push_back(capital(bone_in_words(bone)) + " is sawn through.");
-    for (const BoneMetrics& bone : field.bones)
-        if (bone.opening_at_limit_mm)
-            sentences.push_back(capital(bone_in_words(bone.name)) + " would break from "
-                + two_digits(*bone.opening_at_limit_mm) + " mm on.");
-    for (const TissueStrain& tissue : field.tissue_strain)
-        if (may_tear(tissue))
-            sentences.push_back(
-                "The " + readable(tissue.tissue) + (would_tear(tissue) ? " would tear." : " may tear."));
-    if (may_rupture(field))
-        sentences.push_back("Tissue ruptured in half of such retractions in pigs.");
+    for (const RemovedTissue& tissue : field.removed)
+        if (is_long_bone(tissue.label))
+            sentences.push_back(capital(bone_in_words(tissue.label)) + " is removed in part.");
+    if (is_solved(field))
+        add_injuries(field, sentences);
     if (!field.retracted.empty()) {
         std::vector<std::string> organs;
         std::transform(field.retracted.begin(), field.retracted.end(), std::back_inserter(organs), readable);
         sentences.push_back("Held aside for this view: " + joined(organs) + ".");
     }
     return sentences;
+}
+
+std::string crisis_text(const Candidate& candidate)
+{
+    std::string text;
+    for (const std::string& sentence : crisis_check(candidate))
+        text += (text.empty() ? "" : " ") + sentence;
+    return text.empty() ? "Nothing found." : text;
 }
 
 } // namespace retractor::planner

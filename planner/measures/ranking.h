@@ -61,7 +61,7 @@ struct RankedField {
     Score score;
     bool within_error = false; ///< the field before it leads by no more than both bars, or a bar is not known
     /// A field that is at least as good by every criterion with a weight, and better by one.
-    std::optional<std::size_t> beaten_by {};
+    std::optional<std::size_t> dominated_by {};
 };
 
 /// The fields that were solved (is_solved()), the highest score first.
@@ -71,8 +71,10 @@ std::vector<RankedField> ranked(std::span<const Candidate> candidates, const Wei
 /// Structures nearer to a blade than this are named by crisis_check(), mm.
 inline constexpr double kCrisisMm = 10.0;
 
-/// What must be thought of before the score: structures at risk that are near, injury that the plan foretells, and
-/// organs that are only held aside, one sentence each.
+/// What must be thought of before the score, one sentence each: structures at risk that are near, bones that are sawn
+/// through or removed, injury that the plan foretells (of plans that can be used), and organs that are only held aside.
 std::vector<std::string> crisis_check(const Candidate& candidate);
+/// The sentences after each other, or "Nothing found."
+std::string crisis_text(const Candidate& candidate);
 
 } // namespace retractor::planner

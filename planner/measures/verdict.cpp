@@ -39,18 +39,6 @@ namespace {
     /// Injury outweighs caution; nothing outweighs numbers that are not to be relied on.
     bool is_worse(const Said& a, const Said& b) { return static_cast<int>(a.light) > static_cast<int>(b.light); }
 
-    /// Why the numbers are not to be relied on; empty: they are.
-    std::string doubt(const FieldMetrics& field)
-    {
-        if (field.mechanics_status != "converged")
-            return "The wound could not be computed: do not use these numbers.";
-        if (field.inverted_elements > 0 || !is_believable(field))
-            return "The model fails near the wound: do not use these numbers.";
-        if (!field.implausible.empty())
-            return "The case holds numbers that no patient has: do not use the result.";
-        return {};
-    }
-
     void say_sight(const FieldMetrics& field, Sentences& said)
     {
         const std::string target = readable(field.target);
@@ -148,11 +136,15 @@ std::string_view to_string(Light light)
     return "unknown";
 }
 
-std::string capital(std::string text)
+std::string why_not_to_use(const FieldMetrics& field)
 {
-    if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
-        text[0] = static_cast<char>(text[0] - 'a' + 'A');
-    return text;
+    if (field.mechanics_status != "converged")
+        return "The wound could not be computed: do not use these numbers.";
+    if (field.inverted_elements > 0 || !is_believable(field))
+        return "The model fails near the wound: do not use these numbers.";
+    if (!field.implausible.empty())
+        return "The case holds numbers that no patient has: do not use the result.";
+    return {};
 }
 
 std::string two_digits(double value)
@@ -180,7 +172,7 @@ ForceInterval force_interval(const FieldMetrics& field)
 Verdict verdict_of(const FieldMetrics& field)
 {
     Sentences said;
-    if (const std::string why = doubt(field); !why.empty()) {
+    if (const std::string why = why_not_to_use(field); !why.empty()) {
         say(said, Light::unknown, why); // numbers beside this sentence would be used all the same
         say_risks(field, said);
     } else {

@@ -38,8 +38,8 @@ struct ForceInterval {
 };
 ForceInterval force_interval(const FieldMetrics& field);
 
-/// The text with a capital letter first.
-std::string capital(std::string text);
+/// Why the numbers of a field are not to be used, in a sentence; empty: nothing speaks against them.
+std::string why_not_to_use(const FieldMetrics& field);
 
 /// "0.34" as 34, "1234" as 1200: two significant digits, and no digits behind the point from 10 on.
 std::string two_digits(double value);

@@ -93,7 +93,7 @@ namespace {
             hidden += share.share;
         return "Of the side of the target that faces "
             + std::string(eye.seen_fraction > 0.0 ? "this eye" : "the middle of the cone") + ", "
-            + percent(std::max(0.0, 1.0 - hidden)) + " is seen; it is hidden by " + words + ". ";
+            + percent(std::max(0.0, 1.0 - hidden)) + " is seen. The rest is hidden by " + words + ". ";
     }
 
     std::string bone_sentence(const Exposure& exposure)
@@ -101,8 +101,8 @@ namespace {
         const std::string words = named_shares(exposure.bone_in_sight, exposure.bone_in_sight.size());
         if (words.empty())
             return "No bone stands in the line of sight. ";
-        return "Bone lies on lines of sight from the cone, also behind other tissue: " + words
-            + " of them; part of it would have to be pulled further or removed to see more. ";
+        return "Share of the lines of sight from the cone that meet bone, also behind other tissue: " + words
+            + ". Part of this bone would have to be pulled further or removed to see more. ";
     }
 
     std::string opening_sentence(const FieldMetrics& metrics)

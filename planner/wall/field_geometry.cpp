@@ -149,12 +149,14 @@ namespace {
 
     double extent(const Chain& chain) { return chain.back().along - chain.front().along; }
 
-    /// Whether one chain lies above or below the other over most of the shorter one. Parts of one edge may overlap a
-    /// little where the skin is steep.
-    bool are_stacked(const Chain& a, const Chain& b)
+    /// Whether one chain lies above or below the other. Parts of one skin's edge may overlap a little where the skin is
+    /// steep; they are stacked only where the overlap is most of the shorter one.
+    /// @param skin mean depth below which chains are of one skin
+    bool are_stacked(const Chain& a, const Chain& b, double skin)
     {
         const double overlap = std::min(a.back().along, b.back().along) - std::max(a.front().along, b.front().along);
-        return overlap > 0.5 * std::min(extent(a), extent(b));
+        const bool of_one_skin = mean_depth(a) < skin && mean_depth(b) < skin;
+        return overlap > (of_one_skin ? 0.5 * std::min(extent(a), extent(b)) : 0.0);
     }
 
     /// Keeps the shallowest of chains that lie above each other, and joins the kept chains from start to end. Chains at
@@ -175,19 +177,25 @@ namespace {
         });
         std::vector<Chain> kept;
         for (Chain& chain : chains)
-            if (std::none_of(kept.begin(), kept.end(), [&](const Chain& k) { return are_stacked(chain, k); }))
+            if (std::none_of(kept.begin(), kept.end(), [&](const Chain& k) { return are_stacked(chain, k, skin); }))
                 kept.push_back(std::move(chain));
         std::sort(
             kept.begin(), kept.end(), [](const Chain& a, const Chain& b) { return a.front().along < b.front().along; });
         WoundEdge edge;
-        for (const Chain& chain : kept)
+        for (const Chain& chain : kept) {
+            // Where two parts overlap, the later one begins behind the earlier one's end.
+            const double joined_at
+                = edge.along_mm.empty() ? -std::numeric_limits<double>::infinity() : edge.along_mm.back();
+            bool joined = false;
             for (const RimPoint& p : chain) {
-                if (!edge.vertices.empty() && edge.vertices.back() == p.vertex)
+                joined = joined || p.along > joined_at;
+                if (!joined || (!edge.vertices.empty() && edge.vertices.back() == p.vertex))
                     continue;
                 edge.vertices.push_back(p.vertex);
                 // The parameter never decreases, even where the edge runs backwards on steep skin.
                 edge.along_mm.push_back(edge.along_mm.empty() ? p.along : std::max(p.along, edge.along_mm.back()));
             }
+        }
         return edge;
     }
 

@@ -23,9 +23,10 @@ inline constexpr double kCoarserFactor = 2.0;
 /// @throws InputError on a size that is not positive, or coordinates that are not finite
 TriMesh clustered(const TriMesh& surface, double cube_mm, const FineLine& fine = {});
 
+inline constexpr double kFineRadiusMm = 90.0; ///< holds a wound
+
 /// The scene with about as many triangles as asked or fewer, clustered more finely within kFineRadiusMm of the camera's
 /// line of sight, and without procedural textures. Everything else stays.
-inline constexpr double kFineRadiusMm = 90.0; ///< holds a wound
 Scene moving_scene(Scene scene, std::size_t triangles);
 
 } // namespace retractor::ui

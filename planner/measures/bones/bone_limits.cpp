@@ -72,13 +72,6 @@ namespace {
         return a.utilisation != b.utilisation ? a.utilisation > b.utilisation : a.moment_Nm > b.moment_Nm;
     }
 
-    std::string capitalised(std::string text)
-    {
-        if (!text.empty())
-            text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
-        return text;
-    }
-
     std::string rough_text(const FieldMetrics& field)
     {
         return field.bones_rough ? " The elements of this mesh are too stiff, so these moments are rough." : "";
@@ -193,6 +186,13 @@ std::string_view to_string(Attainable attainable)
     return "unknown";
 }
 
+std::string capital(std::string text)
+{
+    if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
+        text[0] = static_cast<char>(text[0] - 'a' + 'A');
+    return text;
+}
+
 std::string bone_in_words(std::string_view label)
 {
     if (const std::optional<RibName> rib = rib_name(label))
@@ -240,13 +240,13 @@ std::string bones_text(const FieldMetrics& field)
         return formatted(
                    "No rib reaches the moment at which tested ribs broke. %s comes nearest: %.1f N m %s, which is "
                    "%.0f %% of the %.1f N m of tested ribs.",
-                   capitalised(bone_in_words(bone.name)).c_str(), bone.moment_Nm, place_text(bone).c_str(),
+                   capital(bone_in_words(bone.name)).c_str(), bone.moment_Nm, place_text(bone).c_str(),
                    100.0 * bone.utilisation, *bone.capacity_Nm)
             + rough_text(field);
     std::string text = formatted("%s would break %s, from an opening of about %.0f mm on (%.1f N m; tested ribs broke "
                                  "at about %.1f N m).",
-        capitalised(bone_in_words(bone.name)).c_str(), place_text(bone).c_str(), *bone.opening_at_limit_mm,
-        bone.moment_Nm, *bone.capacity_Nm);
+        capital(bone_in_words(bone.name)).c_str(), place_text(bone).c_str(), *bone.opening_at_limit_mm, bone.moment_Nm,
+        *bone.capacity_Nm);
     std::vector<std::string> others;
     for (const BoneMetrics& other : field.bones)
         if (&other != &bone && other.opening_at_limit_mm)

@@ -72,6 +72,8 @@ std::string_view to_string(Attainable attainable);
 
 /// "rib 5 on the left", "the sternum".
 std::string bone_in_words(std::string_view label);
+/// The text with a capital letter first.
+std::string capital(std::string text);
 
 /// Short: "yes", "with injury: rib 5 on the left, skin", "no", "not known".
 std::string attainable_text(const FieldMetrics& field);

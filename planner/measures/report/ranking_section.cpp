@@ -77,10 +77,10 @@ namespace {
             10.0 + 0.5 * kPlotPx, 10.0 + 0.5 * kPlotPx);
         for (const RankedField& ranked : order) {
             const PlotPlace at = place(ranked.score);
-            const char* const ink = ranked.beaten_by ? "#1c5d99" : "white";
+            const char* const ink = ranked.dominated_by ? "#1c5d99" : "white";
             out << formatted("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"10\" stroke=\"#1c5d99\" stroke-width=\"2\" "
                              "fill=\"%s\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\" fill=\"%s\">%s</text>",
-                at.x, at.y, ranked.beaten_by ? "white" : "#1c5d99", at.x, at.y + 4.5, ink,
+                at.x, at.y, ranked.dominated_by ? "white" : "#1c5d99", at.x, at.y + 4.5, ink,
                 compared_letter(ranked.index).c_str());
         }
         out << "</svg><p>The letters are those of the table. Right: the approach shows more. Up: it spares more "
@@ -97,13 +97,8 @@ void write_crisis_check(std::ostream& out, const std::vector<FieldMetrics>& fiel
     if (fields.empty())
         return;
     out << "<h2>Think of this first</h2><ul>";
-    for (const Candidate& candidate : candidates_of(fields, divided_bones)) {
-        out << "<li><b>" << escaped(candidate.field.name) << "</b>: ";
-        const std::vector<std::string> sentences = crisis_check(candidate);
-        for (const std::string& sentence : sentences)
-            out << escaped(sentence) << ' ';
-        out << (sentences.empty() ? "Nothing found.</li>" : "</li>");
-    }
+    for (const Candidate& candidate : candidates_of(fields, divided_bones))
+        out << "<li><b>" << escaped(candidate.field.name) << "</b>: " << escaped(crisis_text(candidate)) << "</li>";
     out << "</ul>";
 }
 

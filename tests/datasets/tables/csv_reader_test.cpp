@@ -51,6 +51,8 @@ namespace csv_reader_test {
         } catch (const InputError& error) {
             EXPECT_EQ(error.where(), "rows.csv:3");
         }
+        EXPECT_NE(test_support::message_of([&] { (void)rows_of("a,b\rc,d\r"); }).find("carriage return"),
+            std::string::npos);
         EXPECT_THROW(read_csv("/nowhere/x.csv", [](const CsvRow&) {}), IoError);
         // What the caller throws comes through the C library.
         const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "rows.csv";

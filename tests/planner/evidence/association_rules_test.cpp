@@ -155,6 +155,27 @@ namespace association_rules_test {
         EXPECT_THROW((void)find_rules({}, {}), InputError);
     }
 
+    TEST(PValue, IsFishersExactOne)
+    {
+        // Fisher's tea: 8 cups, 4 with milk first, all guessed right: one of 70 splits, and its mirror.
+        EXPECT_NEAR(p_of_both(8, 4, 4, 4), 2.0 / 70.0, 1e-9);
+        EXPECT_NEAR(p_of_both(8, 4, 4, 3), 34.0 / 70.0, 1e-9);
+        EXPECT_NEAR(p_of_both(8, 4, 4, 2), 1.0, 1e-9);
+        // Of the published rules, all nine with HHL have the finding of 172: the chance is C(372, 163) / C(381, 172).
+        EXPECT_NEAR(p_of_both(381, 9, 172, 9), 6.9e-4, 1e-5);
+        EXPECT_EQ(p_of_both(10, 0, 5, 0), 1.0);
+        EXPECT_EQ(p_of_both(10, 10, 5, 5), 1.0);
+        // The approximation takes over where it has become exact enough.
+        for (const std::size_t both : { 1010U, 1060U, 1130U }) {
+            const std::size_t n = 5 * kExactUpTo, side = kExactUpTo;
+            const double exact = p_of_both(n, side, side, both);
+            const double variance = static_cast<double>(side) * side / n * (n - side) / n * (n - side) / (n - 1.0);
+            const double approximate
+                = std::erfc(std::abs(static_cast<double>(both) - 1000.0) / std::sqrt(2.0 * variance));
+            EXPECT_NEAR(exact, approximate, 0.03);
+        }
+    }
+
     TEST(AdjustedPValues, AreThoseOfBenjaminiAndHochberg)
     {
         // Their example of 1995: 15 tests; at 5 % the first four are rejected.
@@ -223,6 +244,11 @@ namespace association_rules_test {
                  "persons.csv:4: \"x\" is no number", "persons.csv:5: \"2\" is no finding",
                  "persons.csv:6: has no person", "persons.csv:7: has 3 fields", "persons.csv:8: year is \"20x\"" })
             EXPECT_NE(message.find(part), std::string::npos) << part << "\n" << message;
+        for (const char* order : { "person,year,A,cough\np,2001,1,0\np,2002,1,0\np,2002,1,0\n",
+                 "person,year,A,cough\np,2002,1,0\np,2002,1,0\np,2001,1,0\n" })
+            EXPECT_THROW((void)items_of(written(order), {}), InputError) << "whatever the order";
+        EXPECT_THROW(
+            (void)read_person_items(written("person,year,cough\np,2001,1\n"), { .year_column = "jahr" }), InputError);
         const PersonItems rest = read_person_items(written(text), { .exposures = { "A" }, .skip_bad = true });
         EXPECT_EQ(rest.table.persons, 2U);
         EXPECT_EQ(rest.bad.count, 6U);

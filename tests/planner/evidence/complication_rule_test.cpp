@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -133,7 +134,14 @@ namespace complication_rule_test {
                  "SELECT NULL AS examination", "SELECT examination FROM nowhere" })
             EXPECT_THROW((void)apply_rule(records.database, sql, true), InputError) << sql;
         EXPECT_EQ(apply_rule(records.database, published("shock-accounting"), true).examinations, 14255U);
-        EXPECT_EQ(apply_rule(records.database, "SELECT examination FROM examination WHERE 0", true).found.size(), 0U);
+        EXPECT_EQ(
+            apply_rule(records.database, "SELECT examination FROM examination WHERE 0; -- done\n", true).found.size(),
+            0U);
+        const std::atomic<bool> cancelled { true };
+        EXPECT_TRUE(apply_rule(records.database,
+            "SELECT a.examination FROM examination AS a, examination AS b, examination AS c", true,
+            { .on_progress = {}, .cancel = &cancelled })
+                        .found.empty());
     }
 
     TEST(HospitalRecords, BadRowsAreListedWithTheirLinesAndLeftOutOnlyIfAsked)
@@ -160,7 +168,7 @@ namespace complication_rule_test {
                  "examinations.csv:4: date is \"2003-02-30\"", "examinations.csv:5: patient is missing",
                  "examinations.csv:6: contrast is \"yes\", expected 0 or 1", "examinations.csv:7: has 5 fields",
                  "administrations.csv:3: drug is \"aspirin\"",
-                 "administrations.csv:4: examination \"E9\" is not in examinations.csv",
+                 "administrations.csv:4: examination \"E9\" has no right row in examinations.csv",
                  "administrations.csv:5: examination \"E1\" is another patient's", "oxygen.csv:2: date is" })
             EXPECT_NE(message.find(part), std::string::npos) << part << "\n" << message;
         const Records rest(folder, BadRowPolicy::skip);
@@ -197,15 +205,16 @@ namespace complication_rule_test {
             return sum;
         };
         for (const auto& [k, n] : { std::pair { 3, 5 }, { 1, 40 }, { 17, 20 } }) {
-            const ShareInterval interval = exact_interval(static_cast<std::size_t>(k), static_cast<std::size_t>(n));
+            const ShareInterval interval
+                = clopper_pearson_interval(static_cast<std::size_t>(k), static_cast<std::size_t>(n));
             EXPECT_NEAR(at_least(k, n, interval.low), 0.025, 1e-9);
             EXPECT_NEAR(1.0 - at_least(k + 1, n, interval.high), 0.025, 1e-9);
         }
-        EXPECT_EQ(exact_interval(0, 3).low, 0.0);
-        EXPECT_NEAR(exact_interval(0, 3).high, 1.0 - std::cbrt(0.025), 1e-12);
-        EXPECT_EQ(exact_interval(3, 3).high, 1.0);
-        EXPECT_EQ(exact_interval(0, 0).low, 0.0);
-        EXPECT_EQ(exact_interval(0, 0).high, 1.0);
+        EXPECT_EQ(clopper_pearson_interval(0, 3).low, 0.0);
+        EXPECT_NEAR(clopper_pearson_interval(0, 3).high, 1.0 - std::cbrt(0.025), 1e-12);
+        EXPECT_EQ(clopper_pearson_interval(3, 3).high, 1.0);
+        EXPECT_EQ(clopper_pearson_interval(0, 0).low, 0.0);
+        EXPECT_EQ(clopper_pearson_interval(0, 0).high, 1.0);
     }
 
 } // namespace complication_rule_test

@@ -57,6 +57,31 @@ namespace ranking_test {
         EXPECT_DOUBLE_EQ(score_of(one, only("bone")).points, 0.0);
     }
 
+    TEST(Ranking, WhatIsNotKnownOrNotThereEarnsNothing)
+    {
+        Candidate unknown = candidate(0.5);
+        unknown.field.bones_message = "the tissue far from the lips was computed as linear";
+        EXPECT_DOUBLE_EQ(score_of(unknown, only("bone")).bar.value(), 100.0) << "all or nothing";
+        Candidate resected = candidate(0.5);
+        resected.field.removed = { { .what = "rib_left_5 between -10 and 10 mm", .label = "rib_left_5" } };
+        EXPECT_DOUBLE_EQ(score_of(resected, only("bone")).points, 0.0);
+        EXPECT_EQ(crisis_text(resected), "Rib 5 on the left is removed in part.");
+        Candidate blind = candidate(0.0);
+        blind.field.coaxiality_deg = 0.0;
+        EXPECT_DOUBLE_EQ(score_of(blind, only("angle")).points, 0.0) << "nothing is seen, straight or not";
+        Candidate failed = candidate(0.9);
+        failed.field.inverted_elements = 3;
+        failed.field.bones = { { .name = "rib_left_4", .utilisation = 1.2, .opening_at_limit_mm = 38.0 } };
+        EXPECT_TRUE(ranked(std::vector { failed }, default_weights()).empty());
+        EXPECT_EQ(crisis_text(failed), "Nothing found.") << "what a failed plan foretells is nothing";
+        // The bar of the force grows with the force at the last turn.
+        Candidate turned = candidate(0.5);
+        turned.field.hook_force_N = 50.0;
+        turned.field.error->hook_force_N = 5.0;
+        turned.field.force_moments = ForceMoments { .peak_N = 100.0 };
+        EXPECT_NEAR(score_of(turned, only("force")).bar.value(), 100.0 * 10.0 / (2.0 * kRuptureForceN), 1e-9);
+    }
+
     TEST(Ranking, ValuesBeyondTheirLimitsCountAsTheLimits)
     {
         EXPECT_DOUBLE_EQ(score_of(candidate(0.5, 0.0, 10.0), only("incision")).points, 100.0);
@@ -95,12 +120,12 @@ namespace ranking_test {
         const std::vector<Candidate> all { candidate(0.6, 0.0, 100.0), candidate(0.3, 0.0, 50.0),
             candidate(0.5, 0.0, 120.0) };
         for (const RankedField& each : ranked(all, default_weights()))
-            EXPECT_EQ(each.beaten_by, each.index == 2 ? std::optional<std::size_t>(0) : std::nullopt) << each.index;
+            EXPECT_EQ(each.dominated_by, each.index == 2 ? std::optional<std::size_t>(0) : std::nullopt) << each.index;
         // What has no weight does not save it.
-        EXPECT_EQ(ranked(all, only("seen")).back().beaten_by, 0U);
+        EXPECT_EQ(ranked(all, only("seen")).back().dominated_by, 0U);
         const std::vector<Candidate> same { candidate(0.6), candidate(0.6) };
         for (const RankedField& each : ranked(same, default_weights()))
-            EXPECT_FALSE(each.beaten_by) << "equal fields do not beat each other";
+            EXPECT_FALSE(each.dominated_by) << "equal fields do not beat each other";
     }
 
     TEST(Ranking, WhatWasNotSolvedIsNotRanked)

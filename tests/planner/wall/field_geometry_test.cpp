@@ -310,7 +310,9 @@ namespace field_geometry_test {
         });
         slit.mesh.vertices(rim[4], 0) = slit.mesh.vertices(rim[3], 0) - 1.0;
         const WoundEdge edge = wound_edges(slit.mesh, slit.lips, blade).left;
-        EXPECT_EQ(edge.vertices, rim);
+        std::vector<VertexId> joined = rim;
+        joined.erase(joined.begin() + 4); // it lies beside the end of the first part
+        EXPECT_EQ(edge.vertices, joined);
         EXPECT_NEAR(edge.along_mm.front(), 0.0, 1e-9);
         EXPECT_NEAR(edge.along_mm.back(), 30.0, 1e-9);
     }

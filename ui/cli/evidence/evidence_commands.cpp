@@ -21,6 +21,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,20 +52,31 @@ namespace {
         bool skip_bad = false;
     };
 
+    std::string published_names()
+    {
+        std::vector<std::string> names;
+        for (const planner::PublishedRule& published : planner::published_rules())
+            names.emplace_back(published.name);
+        return joined(names);
+    }
+
+    std::optional<std::string> published_rule(const std::string& name)
+    {
+        for (const planner::PublishedRule& published : planner::published_rules())
+            if (published.name == name)
+                return std::string(published.sql);
+        return std::nullopt;
+    }
+
     /// The text of a published rule, or of a file.
     std::string rule_text(const std::string& rule)
     {
-        for (const planner::PublishedRule& published : planner::published_rules())
-            if (published.name == rule)
-                return std::string(published.sql);
+        if (const std::optional<std::string> published = published_rule(rule))
+            return *published;
         std::ifstream in(rule, std::ios::binary);
-        if (!in || !fs::is_regular_file(rule)) {
-            std::string known;
-            for (const planner::PublishedRule& published : planner::published_rules())
-                known += (known.empty() ? "" : ", ") + std::string(published.name);
-            throw InputError(
-                "there is no such file, and no such rule; the published rules are " + known, "--rule " + rule);
-        }
+        if (!in || !fs::is_regular_file(rule))
+            throw InputError("there is no such file, and no such rule; the published rules are " + published_names(),
+                "--rule " + rule);
         return { std::istreambuf_iterator<char>(in), {} };
     }
 
@@ -99,7 +111,7 @@ namespace {
             outcome.text += std::to_string(judgement.unknown) + " found examinations are not in truth.csv\n";
     }
 
-    Outcome told(const planner::RuleResult& result, const planner::LoadedRecords& loaded)
+    Outcome outcome_of(const planner::RuleResult& result, const planner::LoadedRecords& loaded)
     {
         Outcome outcome;
         outcome.document["examinations_with_contrast"] = result.examinations;
@@ -119,6 +131,7 @@ namespace {
                 + "\n";
         }
         outcome.text += "month    examinations  found\n";
+        outcome.document["months"] = Json::array();
         for (const auto& [month, count] : result.months) {
             outcome.document["months"].push_back(
                 { { "month", month }, { "examinations", count.examinations }, { "found", count.found } });
@@ -141,7 +154,8 @@ namespace {
             const planner::LoadedRecords loaded = planner::load_hospital_records(options.data, database,
                 options.skip_bad ? planner::BadRowPolicy::skip : planner::BadRowPolicy::refuse, job);
             refuse_if_cancelled(job);
-            outcome = told(planner::apply_rule(database, rule, loaded.has_truth), loaded);
+            outcome = outcome_of(planner::apply_rule(database, rule, loaded.has_truth, job), loaded);
+            refuse_if_cancelled(job);
         };
         if (options.database.empty())
             find_in(":memory:");
@@ -179,8 +193,11 @@ namespace {
         command->footer("Example: retractor evidence show-rule shock-orders > rule.sql");
         command->add_option("rule", *rule, "shock-accounting or shock-orders")->required();
         commands.on(command, [rule](const Job&) {
+            const std::optional<std::string> sql = published_rule(*rule);
+            if (!sql)
+                throw InputError("the published rules are " + published_names(), "show-rule " + *rule);
             Outcome outcome;
-            outcome.text = rule_text(*rule);
+            outcome.text = *sql;
             outcome.document = { { "rule", *rule }, { "sql", outcome.text } };
             return outcome;
         });
@@ -251,13 +268,13 @@ namespace {
         refuse_if_cancelled(job);
         Outcome outcome;
         outcome.document = { { "records", items.records }, { "persons", items.table.persons },
-            { "items", items.table.items.size() }, { "looked_at", found.looked_at },
+            { "items", items.table.items.size() }, { "tested", found.tested },
             { "rules", rules_document(items.table, found) }, { "bad_rows", bad_rows_document(items.bad) } };
         outcome.text
-            = formatted("%zu records of %zu persons, %zu items; %zu rules of %zu that were looked at\n", items.records,
-                  items.table.persons, items.table.items.size(), found.rules.size(), found.looked_at)
+            = formatted("%zu records of %zu persons, %zu items; %zu rules of %zu that were tested\n", items.records,
+                  items.table.persons, items.table.items.size(), found.rules.size(), found.tested)
             + rules_table(items.table, found)
-            + "A rule is a hypothesis, not a cause. p is adjusted for the rules that were looked at (Benjamini, "
+            + "A rule is a hypothesis, not a cause. p is adjusted for the rules that were tested (Benjamini, "
               "Hochberg).\n"
             + skipped_rows_text(items.bad);
         if (!options.out.empty()) {
@@ -319,14 +336,16 @@ namespace {
         unsigned seed = 1;
     };
 
-    Outcome generate(const GenerateOptions& options)
+    Outcome generate(const GenerateOptions& options, const Job& job)
     {
         if (options.kind == "complications")
             planner::write_complication_records(options.out, options.examinations, options.seed);
         else if (options.kind == "exposures")
             planner::write_exposure_records(options.out, options.seed);
         else
-            planner::write_random_findings(options.out, options.persons, options.findings, options.share, options.seed);
+            planner::write_random_findings(
+                options.out, options.persons, options.findings, options.share, options.seed, job);
+        refuse_if_cancelled(job);
         return { .document = { { "written", options.out } }, .text = options.out + ": made up, nobody's data\n" };
     }
 
@@ -356,7 +375,7 @@ namespace {
             ->check(in_range(0.0, 1.0))
             ->capture_default_str();
         command->add_option("--seed", options->seed, "Seed of the random numbers")->capture_default_str();
-        commands.on(command, [options](const Job&) { return generate(*options); });
+        commands.on(command, [options](const Job& job) { return generate(*options, job); });
     }
 
 } // namespace

@@ -15,6 +15,7 @@ namespace {
     constexpr double kWidthPx = 720.0, kHeightPx = 480.0, kLeftPx = 70.0, kRightPx = 20.0, kTopPx = 30.0,
                      kBottomPx = 60.0;
     constexpr std::size_t kMostMarks = 400; ///< more cannot be told apart
+    constexpr double kLargestPx = 10.0; ///< radius of the mark of the largest lift
 
     /// A round step that divides a range into about five parts.
     double round_step(double range)
@@ -55,8 +56,15 @@ std::string rule_plot_svg(const std::vector<planner::AssociationRule>& rules, co
     svg += formatted("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">support</text><text x=\"18\" y=\"%.1f\" "
                      "text-anchor=\"middle\" transform=\"rotate(-90 18 %.1f)\">confidence</text>\n",
         x(0.5 * most_support), kHeightPx - 16.0, y(0.5), y(0.5));
-    svg += formatted("<text x=\"%.1f\" y=\"18\">%zu rules; the area of a mark is the lift; dashed: thresholds</text>\n",
-        kLeftPx, rules.size());
+    svg += formatted("<text x=\"%.1f\" y=\"18\">%s; the area of a mark is the lift; dashed: thresholds</text>\n",
+        kLeftPx,
+        (rules.size() > kMostMarks ? "the first " + std::to_string(kMostMarks) + " of " + std::to_string(rules.size())
+                                   : std::to_string(rules.size()))
+            .append(" rules")
+            .c_str());
+    double largest_lift = 1e-9;
+    for (const planner::AssociationRule& rule : rules)
+        largest_lift = std::max(largest_lift, rule.lift);
     // Rules of one place share a mark, with all their numbers beside it.
     std::map<std::pair<double, double>, std::vector<std::size_t>> places;
     for (std::size_t n = 0; n < std::min(rules.size(), kMostMarks); ++n)
@@ -65,7 +73,7 @@ std::string rule_plot_svg(const std::vector<planner::AssociationRule>& rules, co
         std::string numbers;
         for (const std::size_t n : there)
             numbers += (numbers.empty() ? "" : ", ") + std::to_string(n + 1);
-        const double radius = 6.0 * std::sqrt(rules[there.front()].lift); // the largest of them
+        const double radius = kLargestPx * std::sqrt(rules[there.front()].lift / largest_lift);
         svg += formatted("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" fill=\"#1c5d99\" fill-opacity=\"0.5\"/>"
                          "<text x=\"%.1f\" y=\"%.1f\">",
                    x(place.first), y(place.second), radius, x(place.first) + radius + 3.0, y(place.second) + 4.5)

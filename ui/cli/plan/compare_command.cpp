@@ -11,11 +11,13 @@
 #include "ui/cli/framework/open_case.h"
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/plan/comparison_text.h"
+#include "ui/cli/plan/draft_case.h"
 #include "ui/cli/plan/field_files.h"
 #include "ui/cli/plan/saved_plans.h"
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -84,7 +86,9 @@ namespace {
         planner::Case group; ///< with the approach and its neighbours only
         std::vector<ComparedField> fields; ///< the approach first
         std::vector<std::string> missing; ///< "one space higher: reason"
+        bool approach_is_first = false; ///< the approach itself has numbers
         std::string remarks; ///< on saved plans
+        int exit_code = 0;
     };
 
     PlannedNeighbours planned_neighbours(
@@ -113,14 +117,19 @@ namespace {
         planner::check_plan(group, checks);
         planner::Patient patient(group, job);
         const DrawnFields drawn = saved_or_planned(patient, job, checks);
+        std::vector<planner::PlannedField> made;
         for (std::size_t n = 0; n < drawn.fields.size(); ++n) {
             const planner::PlannedField& field = drawn.fields[n];
             if (is_measured(field))
                 planned.fields.push_back(compared(patient, field.metrics, group.approaches[n], names[n]));
             else
                 planned.missing.push_back(names[n] + ": " + field.message);
+            if (!drawn.saved.contains(field.approach.name))
+                made.push_back(field);
         }
-        planned.remarks = drawn.remarks + save_plans(group, group, drawn.fields);
+        planned.approach_is_first = is_measured(drawn.fields.front());
+        planned.exit_code = exit_code_of(drawn.fields);
+        planned.remarks = drawn.remarks + save_plans(group, group, made);
         return planned;
     }
 
@@ -138,12 +147,11 @@ namespace {
     }
 
     Outcome compare_neighbours(
-        planner::Case planned_case, const CompareOptions& options, const planner::Weights& weights, const Job& job)
+        const planner::Case& in_file, const CompareOptions& options, const planner::Weights& weights, const Job& job)
     {
-        const planner::Case in_file = planned_case;
         Outcome outcome;
         outcome.document["neighbours"] = Json::array();
-        std::vector<std::string> kept;
+        std::vector<planner::Case> groups;
         for (const planner::Approach& approach : in_file.approaches) {
             if (!options.approach.empty() && approach.name != options.approach)
                 continue;
@@ -154,19 +162,24 @@ namespace {
             group["missing"] = planned.missing;
             outcome.text += "Beside " + planner::spoken_name(approach) + ":\n";
             if (planned.fields.size() > 1)
-                outcome.text += comparison_text(planned.fields, weights, Marks::against_first);
+                outcome.text += comparison_text(
+                    planned.fields, weights, planned.approach_is_first ? Marks::against_first : Marks::leader);
             else if (planned.missing.empty())
                 outcome.text += "This approach has no neighbours.\n";
             for (const std::string& missing : planned.missing)
                 outcome.text += "missing: " + missing + "\n";
             outcome.text += planned.remarks + "\n";
+            outcome.exit_code = std::max(outcome.exit_code, planned.exit_code);
             outcome.document["neighbours"].push_back(std::move(group));
-            if (options.keep)
-                for (std::string& name : keep_neighbours(planned_case, planned.group))
-                    kept.push_back(std::move(name));
+            groups.push_back(planned.group);
         }
         if (options.keep) {
-            planner::write_case(planned_case);
+            planner::Case present = open_case(options.case_file); // the window may have changed it meanwhile
+            std::vector<std::string> kept;
+            for (const planner::Case& group : groups)
+                for (std::string& name : keep_neighbours(present, group))
+                    kept.push_back(std::move(name));
+            planner::write_case(present);
             outcome.document["kept"] = kept;
             outcome.text
                 += kept.empty() ? "no approach was added to the case\n" : "added to the case: " + joined(kept) + "\n";
@@ -177,7 +190,7 @@ namespace {
     Outcome compare(const CompareOptions& options, const Job& job)
     {
         const planner::Weights weights = parse_weights(options.weights);
-        planner::Case planned_case = open_case(options.case_file);
+        const planner::Case planned_case = open_case(options.case_file);
         if (!options.neighbours) {
             if (options.draft || options.keep || !options.approach.empty())
                 throw InputError("this option needs --neighbours",
@@ -191,7 +204,7 @@ namespace {
                 options.case_file + "#/approaches");
         if (!options.approach.empty())
             static_cast<void>(planner::find_approach(planned_case, options.approach)); // refuses an unknown name
-        return compare_neighbours(std::move(planned_case), options, weights, job);
+        return compare_neighbours(planned_case, options, weights, job);
     }
 
     std::string criteria_help()

@@ -102,13 +102,8 @@ namespace {
     {
         std::string text
             = "Think of this first (structures within " + in_words(planner::kCrisisMm) + " mm, injury, held aside):\n";
-        for (std::size_t n = 0; n < fields.size(); ++n) {
-            text += planner::compared_letter(n) + " ";
-            const std::vector<std::string> sentences = planner::crisis_check(fields[n].candidate);
-            for (const std::string& sentence : sentences)
-                text += " " + sentence;
-            text += sentences.empty() ? " Nothing found.\n" : "\n";
-        }
+        for (std::size_t n = 0; n < fields.size(); ++n)
+            text += planner::compared_letter(n) + "  " + planner::crisis_text(fields[n].candidate) + "\n";
         return text;
     }
 
@@ -127,8 +122,8 @@ namespace {
                 + ("  " + fields[ranked.index].name);
             if (ranked.within_error)
                 text += "; not behind the one above by more than the error";
-            if (ranked.beaten_by)
-                text += "; " + planner::compared_letter(*ranked.beaten_by)
+            if (ranked.dominated_by)
+                text += "; " + planner::compared_letter(*ranked.dominated_by)
                     + " is at least as good in everything that counts";
             else
                 unbeaten += (unbeaten.empty() ? "" : ", ") + planner::compared_letter(ranked.index);
@@ -187,7 +182,7 @@ Json comparison_document(const std::vector<ComparedField>& fields, const planner
         Json row { { "name", metrics[ranked.index].name }, { "points", ranked.score.points },
             { "within_error", ranked.within_error } };
         row["bar"] = ranked.score.bar ? Json(*ranked.score.bar) : Json();
-        row["beaten_by"] = ranked.beaten_by ? Json(metrics[*ranked.beaten_by].name) : Json();
+        row["dominated_by"] = ranked.dominated_by ? Json(metrics[*ranked.dominated_by].name) : Json();
         for (std::size_t n = 0; n < planner::kCriteria; ++n)
             row["shares"][planner::criteria()[n].key] = ranked.score.shares[n];
         document["ranking"].push_back(row);

@@ -3,6 +3,7 @@
 #include "ui/cli/framework/number_range.h"
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/framework/staged_results.h"
+#include "ui/cli/plan/draft_case.h"
 #include "ui/cli/plan/field_files.h"
 #include "ui/cli/plan/saved_plans.h"
 

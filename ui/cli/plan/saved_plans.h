@@ -11,9 +11,6 @@
 
 namespace retractor::ui::cli {
 
-/// Changes the case to one that is planned quickly: four-node elements on a coarse mesh, without contact.
-void make_draft(planner::Case& planned_case);
-
 /// Saves the plans of the case as its file has it. A plan that options or a draft changed is left out, and so is the
 /// field of an approach that the case does not hold.
 /// @param in_file the case without the command's options

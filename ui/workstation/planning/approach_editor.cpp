@@ -8,6 +8,7 @@
 #include <QWidget>
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -353,12 +354,11 @@ void ApproachEditor::add_neighbours()
     work<std::vector<planner::NeighbourApproach>>([find = backend_.neighbours, approach] { return find(approach); },
         [this, name = approach.name](const std::vector<planner::NeighbourApproach>& neighbours) {
             std::vector<planner::Approach> added;
-            std::vector<std::string> places, missing, there;
-            std::string why;
+            std::vector<std::string> places, there;
+            std::map<std::string, std::vector<std::string>> missing; ///< places by reason
             for (const planner::NeighbourApproach& neighbour : neighbours) {
                 if (!neighbour.approach) {
-                    missing.push_back(neighbour.where);
-                    why = neighbour.refused;
+                    missing[neighbour.refused].push_back(neighbour.where);
                 } else if (planner::free_approach_name(model_->planned_case(), neighbour.approach->name)
                     != neighbour.approach->name) {
                     there.push_back(neighbour.where);
@@ -370,8 +370,8 @@ void ApproachEditor::add_neighbours()
             std::string without;
             if (!there.empty())
                 without += " There already: " + joined(there) + ".";
-            if (!missing.empty()) // the line has room for one reason; neighbours along a space miss for the same
-                without += " Not " + joined(missing) + ": " + why + ".";
+            for (const auto& [why, where] : missing)
+                without += " Not " + joined(where) + ": " + why + ".";
             if (added.empty())
                 return on_message(QString::fromStdString("There is nothing to add beside " + name + "." + without));
             try {

@@ -197,13 +197,9 @@ namespace {
             column.addWidget(label(std::string(planner::kDifferentTargets), kWarning));
         column.addSpacing(10);
         column.addWidget(label("Think of this first", "color: white;", 11.0, true));
-        for (std::size_t n = 0; n < candidates.size(); ++n) {
-            std::string text = planner::compared_letter(n) + ": ";
-            for (const std::string& sentence : planner::crisis_check(candidates[n]))
-                text += sentence + " ";
-            column.addWidget(label(text.back() == ' ' && text.size() == 3 ? text + "nothing found." : text,
+        for (std::size_t n = 0; n < candidates.size(); ++n)
+            column.addWidget(label(planner::compared_letter(n) + ": " + planner::crisis_text(candidates[n]),
                 QString("color: %1;").arg(compared_color(n).name())));
-        }
     }
 
 } // namespace

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <exception>
 #include <iterator>
+#include <map>
 #include <string>
 #include <system_error>
 #include <tuple>
@@ -43,8 +44,25 @@ namespace {
         return folders;
     }
 
+    /// Name and id of the patient of a file; empty where they cannot be read.
+    std::string patient_key(const fs::path& file)
+    {
+        try {
+            const PatientIdentity identity = read_dicom_identity(file);
+            return identity.name + '\n' + identity.id;
+        } catch (const Error&) {
+            return {};
+        }
+    }
+
+    /// A series with the key of its patient, which goes no further than this file.
+    struct KeyedSeries {
+        StudySeries found;
+        std::string patient;
+    };
+
     /// @param why filled where there are DICOM files that cannot be read
-    std::vector<StudySeries> series_in(const fs::path& path, std::exception_ptr& why, const Job& job)
+    std::vector<KeyedSeries> series_in(const fs::path& path, std::exception_ptr& why, const Job& job)
     {
         std::vector<std::string> notes; // of damaged files; the import says them again
         std::vector<DicomGroup> groups;
@@ -60,12 +78,12 @@ namespace {
             return {};
         }
         const std::vector<PatientIdentity> identities = dicom_identities(path);
-        std::vector<StudySeries> found;
+        std::vector<KeyedSeries> found;
         for (DicomGroup& group : groups) {
             group.series.description = without_identity(group.series.description, identities);
-            found.push_back({ .path = path,
-                .series = std::move(group.series),
-                .middle_file = group.files.empty() ? fs::path() : group.files[group.files.size() / 2].path });
+            const fs::path middle = group.files.empty() ? fs::path() : group.files[group.files.size() / 2].path;
+            found.push_back({ .found = { .path = path, .series = std::move(group.series), .middle_file = middle },
+                .patient = patient_key(middle) });
         }
         return found;
     }
@@ -87,20 +105,34 @@ std::vector<StudySeries> find_study_series(const fs::path& path, const Job& job)
         throw IoError("there is no such file or folder", path.string());
     const std::vector<fs::path> places
         = fs::is_directory(path, code) ? folders_of(path, job) : std::vector<fs::path> { path };
-    std::vector<StudySeries> found;
+    std::vector<KeyedSeries> keyed;
     std::exception_ptr why; // of the first folder with DICOM files that cannot be read
     for (std::size_t n = 0; n < places.size() && !job.cancelled(); ++n) {
         job.report("look for images", static_cast<double>(n) / static_cast<double>(places.size()));
-        std::vector<StudySeries> here = series_in(places[n], why, job);
-        std::move(here.begin(), here.end(), std::back_inserter(found));
+        std::vector<KeyedSeries> here = series_in(places[n], why, job);
+        std::move(here.begin(), here.end(), std::back_inserter(keyed));
     }
-    if (found.empty() && why != nullptr)
+    if (keyed.empty() && why != nullptr)
         std::rethrow_exception(why);
-    if (found.empty() && !job.cancelled())
+    if (keyed.empty() && !job.cancelled())
         throw InputError("no DICOM image was found in this folder or below it", path.string());
-    std::stable_sort(
-        found.begin(), found.end(), [](const StudySeries& a, const StudySeries& b) { return rank_of(a) < rank_of(b); });
+    std::stable_sort(keyed.begin(), keyed.end(),
+        [](const KeyedSeries& a, const KeyedSeries& b) { return rank_of(a.found) < rank_of(b.found); });
+    std::vector<StudySeries> found;
+    std::map<std::string, std::size_t> number_of;
+    for (KeyedSeries& one : keyed) {
+        one.found.patient = number_of.try_emplace(one.patient, number_of.size() + 1).first->second;
+        found.push_back(std::move(one.found));
+    }
     return found;
+}
+
+std::size_t patients_of(const std::vector<StudySeries>& study)
+{
+    std::size_t most = 0;
+    for (const StudySeries& one : study)
+        most = std::max(most, one.patient);
+    return most;
 }
 
 } // namespace retractor::datasets

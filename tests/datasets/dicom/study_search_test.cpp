@@ -43,12 +43,35 @@ namespace study_search_test {
         fs::create_directory_symlink(folder_, folder_ / "a" / "round"); // a search that followed it would not end
         const std::vector<StudySeries> found = find_study_series(folder_);
         ASSERT_EQ(found.size(), 2U);
+        EXPECT_EQ(patients_of(found), 1U) << "both have the phantom's name";
         EXPECT_EQ(found[0].series.description, "large");
         EXPECT_EQ(found[0].path, folder_ / "b" / "deep" / "large");
         EXPECT_EQ(found[1].series.description, "small");
         EXPECT_GT(read_dicom(found[0].middle_file).volume.voxels.size(), 0U);
         EXPECT_EQ(read_dicom(found[0].path, { .series = found[0].series.uid }).volume.grid.size[2],
             static_cast<int>(found[0].series.frames));
+    }
+
+    TEST_F(StudySearch, PatientsAreToldApart)
+    {
+        BlockParameters block;
+        block.size_mm = { 40.0, 80.0, 40.0 };
+        block.spacing_mm = { 4.0, 4.0, 4.0 };
+        const mesh::Volume ct = make_block_phantom(block).ct;
+        for (const auto& [folder, id] : { std::pair { "one", "A" }, { "two", "B" }, { "three", "A" } }) {
+            fs::create_directories(folder_ / folder);
+            write_dicom_series(folder_ / folder / "ct", ct, { .patient_id = id });
+        }
+        const std::vector<StudySeries> found = find_study_series(folder_);
+        ASSERT_EQ(found.size(), 3U);
+        EXPECT_EQ(patients_of(found), 2U);
+        const auto patient = [&](const char* folder) {
+            return std::ranges::find_if(found, [&](const StudySeries& s) {
+                return s.path == folder_ / folder / "ct";
+            })->patient;
+        };
+        EXPECT_EQ(patient("one"), patient("three"));
+        EXPECT_NE(patient("one"), patient("two"));
     }
 
     TEST_F(StudySearch, SaysWhereNothingIs)
@@ -71,6 +94,8 @@ namespace study_search_test {
         EXPECT_GE(found.size(), 4U) << "several patients, modalities and series";
         EXPECT_EQ(found.front().series.modality, "CT");
         EXPECT_TRUE(std::ranges::any_of(found, [](const StudySeries& s) { return s.series.modality != "CT"; }));
+        EXPECT_GT(patients_of(found), 1U);
+        EXPECT_EQ(found.front().patient, 1U);
     }
 
 } // namespace study_search_test

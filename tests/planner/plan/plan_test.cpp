@@ -151,7 +151,9 @@ namespace plan_test {
         EXPECT_NE(full.message.find("the intercostal space was not found, and nothing is divided beyond the skin"),
             std::string::npos)
             << full.message;
-        EXPECT_FALSE(full.metrics.division);
+        ASSERT_TRUE(full.metrics.division) << "it was asked for, and the reason stands in the numbers, too";
+        EXPECT_EQ(full.metrics.division->severed_mm2, 0.0);
+        EXPECT_EQ(division_text(full.metrics), full.metrics.division->words);
         EXPECT_EQ(full.metrics.tets, skin.metrics.tets);
         EXPECT_DOUBLE_EQ(full.metrics.hook_force_N, skin.metrics.hook_force_N);
     }

@@ -125,6 +125,10 @@ namespace {
     /// The series of the study with the wished UID, number, or place in the list ("#2").
     const datasets::StudySeries& wished_series(const std::vector<datasets::StudySeries>& study, const std::string& wish)
     {
+        if (const std::size_t patients = datasets::patients_of(study); wish.empty() && patients > 1)
+            throw InputError("holds images of " + std::to_string(patients)
+                    + " patients: choose a series (--series; --list-series tells the patients apart)",
+                "input");
         if (wish.empty())
             return study.front();
         const datasets::StudySeries* found = nullptr;
@@ -184,13 +188,26 @@ namespace {
             unpacked = std::make_unique<const datasets::UnpackedArchive>(folder, job);
             folder = unpacked->folder();
         }
-        std::vector<datasets::DicomSeries> series;
-        for (datasets::StudySeries& found : datasets::find_study_series(folder, job))
-            series.push_back(std::move(found.series));
+        const std::vector<datasets::StudySeries> study = datasets::find_study_series(folder, job);
         refuse_if_cancelled(job);
+        std::vector<datasets::DicomSeries> series;
+        const std::size_t patients = datasets::patients_of(study);
+        for (const datasets::StudySeries& found : study) {
+            series.push_back(found.series);
+            if (patients > 1)
+                series.back().description
+                    = "patient " + std::to_string(found.patient) + ": " + found.series.description;
+        }
         Outcome outcome;
         outcome.document["series"] = series_document(series);
+        outcome.document["patients"] = patients;
+        for (std::size_t n = 0; n < study.size(); ++n) {
+            outcome.document["series"][n]["patient"] = study[n].patient;
+            outcome.document["series"][n]["description"] = study[n].series.description;
+        }
         outcome.text = series_text(series);
+        if (patients > 1)
+            outcome.text += "These are series of " + std::to_string(patients) + " patients.\n";
         return outcome;
     }
 

@@ -61,6 +61,8 @@ namespace {
                 return {};
             job.report("small pictures", static_cast<double>(images.size()) / static_cast<double>(found.size()));
             images.push_back(image_of(series, job));
+            if (datasets::patients_of(found) > 1)
+                images.back().title.prepend(QString("Patient %1: ").arg(series.patient));
         }
         return images;
     }

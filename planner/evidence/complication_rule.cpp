@@ -12,15 +12,30 @@ namespace {
 
     constexpr const char* kWhere = "rule";
 
+    /// Ends statements while it lives when the job is cancelled.
+    class CancelledByJob {
+    public:
+        CancelledByJob(const datasets::SqliteDatabase& database, const Job& job)
+            : database_(database)
+        {
+            constexpr int kInstructions = 100'000; // between two questions whether the job is cancelled
+            sqlite3_progress_handler(
+                database.handle.get(), kInstructions,
+                [](void* asked) { return static_cast<const Job*>(asked)->cancelled() ? 1 : 0; },
+                const_cast<Job*>(&job)); // the handler only reads
+        }
+        ~CancelledByJob() { sqlite3_progress_handler(database_.handle.get(), 0, nullptr, nullptr); }
+        CancelledByJob(const CancelledByJob&) = delete;
+        CancelledByJob& operator=(const CancelledByJob&) = delete;
+
+    private:
+        const datasets::SqliteDatabase& database_;
+    };
+
     /// The examinations that the rule gives. @throws InputError as apply_rule()
     std::set<std::string> found_by(const datasets::SqliteDatabase& database, std::string_view sql, const Job& job)
     {
-        constexpr int kInstructions = 100'000; // between two questions whether the job is cancelled
-        sqlite3_progress_handler(
-            database.handle.get(), kInstructions,
-            [](void* asked) { return static_cast<const Job*>(asked)->cancelled() ? 1 : 0; },
-            const_cast<Job*>(&job)); // the handler only reads
-
+        const CancelledByJob cancelled(database, job);
         sqlite3_stmt* handle = nullptr;
         const char* tail = nullptr;
         const int prepared
@@ -52,7 +67,6 @@ namespace {
                 throw InputError("gives a row without an examination", kWhere);
             found.insert(text);
         }
-        sqlite3_progress_handler(database.handle.get(), 0, nullptr, nullptr);
         if (result == SQLITE_INTERRUPT)
             return {};
         if (result != SQLITE_DONE)

@@ -455,7 +455,10 @@ namespace {
         mark_covered(probe.labels(), nodes);
         const bool faces = plan.centre_deg < 0.0;
         const double centre = faces ? nearest_to(nodes, target).second : along_at_angle(nodes, plan.centre_deg);
-        const Window window = window_in(nodes, centre + plan.shift_mm, plan.length_mm, plan.from_deg, plan.to_deg);
+        Window window = window_in(nodes, centre, plan.length_mm, plan.from_deg, plan.to_deg);
+        if (plan.shift_mm != 0.0) // from where the incision has come to lie, which may not be the wanted centre
+            window = window_in(
+                nodes, 0.5 * (window.from + window.to) + plan.shift_mm, plan.length_mm, plan.from_deg, plan.to_deg);
         sample_window(probe, nodes, window, approach);
         const std::size_t omitted = measure_wall(probe, approach);
         const std::string name = space_name(plan.left, space);

@@ -84,6 +84,21 @@ namespace neighbour_approaches_test {
         }
     }
 
+    TEST(NeighbourApproaches, AreMovedFromWhereTheIncisionLiesAlsoWhereItSlidFromItsWantedPlace)
+    {
+        Approach approach = from_template("midcab:4"); // the target is nearest beyond the end of the space
+        ASSERT_NE(approach.rationale.find("as far as the shoulder blade"), std::string::npos) << approach.rationale;
+        const std::vector<NeighbourApproach> neighbours = neighbours_of(patient(), approach);
+        ASSERT_EQ(neighbours.size(), 4U);
+        int moved = 0;
+        for (const std::size_t n : { 2U, 3U })
+            if (neighbours[n].approach) {
+                ++moved;
+                EXPECT_NEAR((middle_of(*neighbours[n].approach) - middle_of(approach)).norm(), kNeighbourStepMm, 1.5);
+            }
+        EXPECT_EQ(moved, 1) << "away from the end there is room";
+    }
+
     TEST(NeighbourApproaches, OfADrawnIncisionKeepItsAngles)
     {
         const Approach pattern = from_template("intercostal:4");

@@ -70,6 +70,12 @@ namespace {
                       labels.table, [](const mesh::LabelInfo& info) { return info.name == "sternum"; })))
             , mammary_(voxel_centres(labels, mesh::flagged_labels(labels.table, is_mammary)))
         {
+            for (const mesh::LabelInfo& info : labels.table)
+                if (info.role == mesh::Role::at_risk && !is_mammary(info))
+                    at_risk_.emplace_back(info.name,
+                        voxel_centres(labels, mesh::flagged_labels(labels.table, [&](const mesh::LabelInfo& other) {
+                            return other.id == info.id;
+                        })));
             const auto is_spine = [](const mesh::LabelInfo& info) {
                 return info.name == "spine" || info.name.starts_with("vertebrae");
             };
@@ -89,7 +95,7 @@ namespace {
                 return formatted("%.0f mm from the mammary artery", kFromMammaryMm);
             if (nearest(place, sternum_) < kFromSternumMm)
                 return formatted("%.0f mm from the sternum", kFromSternumMm);
-            return {};
+            return risk_behind(place);
         }
         /// The same for the way backwards.
         std::string backward_limit(const SpacePlace& place) const
@@ -99,10 +105,19 @@ namespace {
             const double lateral = std::abs(frame_.left.dot(place.middle - frame_.origin) - midline(place.middle));
             if (lateral < kFromSpineMm)
                 return formatted("%.0f mm from the spine's midline", kFromSpineMm);
-            return {};
+            return risk_behind(place);
         }
 
     private:
+        /// The structure at risk that lies so close behind the wall that the stroke, which begins inside the chest,
+        /// would go through it; empty: none.
+        std::string risk_behind(const SpacePlace& place) const
+        {
+            for (const auto& [name, voxels] : at_risk_)
+                if (nearest(place, voxels) < kInsideMm + 1.0)
+                    return "the " + readable(name) + " lies behind the wall";
+            return {};
+        }
         int bin(const Vec3& p) const
         {
             return static_cast<int>(std::floor(frame_.superior.dot(p - frame_.origin) / kSpineBinMm));
@@ -135,6 +150,7 @@ namespace {
         AnatomicalFrame frame_;
         double half_voxel_mm_;
         std::vector<Vec3> sternum_, mammary_;
+        std::vector<std::pair<std::string, std::vector<Vec3>>> at_risk_; ///< names and voxels
         std::map<int, std::pair<double, double>> spine_; ///< per bin of height: sum of lateral places, and count
     };
 

@@ -122,6 +122,30 @@ namespace space_division_test {
         EXPECT_LT(angle_of(end), 126.0);
     }
 
+    TEST(SpaceDivision, EndsBeforeAVesselThatLiesAgainstTheWallFromWithin)
+    {
+        mesh::LabelVolume labels = chest();
+        const Label vessel = 91;
+        labels.table.push_back({ vessel, "aorta_descending", "vessel", mesh::Role::at_risk });
+        // A column of 10 mm radius behind the wall, at 50 degrees from straight back.
+        const double angle = 50.0 * std::numbers::pi / 180.0;
+        const Vec3 axis = 85.0 * Vec3(std::sin(angle), std::cos(angle), 0.0);
+        for (int k = 0; k < labels.grid.size[2]; ++k)
+            for (int j = 0; j < labels.grid.size[1]; ++j)
+                for (int i = 0; i < labels.grid.size[0]; ++i) {
+                    const Vec3 p = labels.grid.world(Vec3(i, j, k));
+                    if (std::hypot(p.x() - axis.x(), p.y() - axis.y()) < 10.0)
+                        labels.voxels[labels.grid.offset(i, j, k)] = vessel;
+                }
+        Approach approach = lateral();
+        find_space_division(approach, labels, anatomy());
+        EXPECT_NE(approach.division.words.find("the aorta descending lies behind the wall"), std::string::npos)
+            << approach.division.words;
+        const DivisionStroke& back = stroke(approach, false);
+        for (std::size_t n = 0; n < back.line.size(); ++n) // from its begin inside the chest
+            EXPECT_GT(std::hypot(back.line[n].x() - axis.x(), back.line[n].y() - axis.y()), 10.0);
+    }
+
     TEST(SpaceDivision, GivenDistancesAreKept)
     {
         Approach approach = lateral();

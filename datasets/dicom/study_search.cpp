@@ -121,7 +121,8 @@ std::vector<StudySeries> find_study_series(const fs::path& path, const Job& job)
     std::vector<StudySeries> found;
     std::map<std::string, std::size_t> number_of;
     for (KeyedSeries& one : keyed) {
-        one.found.patient = number_of.try_emplace(one.patient, number_of.size() + 1).first->second;
+        if (!one.patient.empty()) // whose file names nobody is not taken for another patient
+            one.found.patient = number_of.try_emplace(one.patient, number_of.size() + 1).first->second;
         found.push_back(std::move(one.found));
     }
     return found;

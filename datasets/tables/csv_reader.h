@@ -20,8 +20,7 @@ struct CsvRow {
 
 /// Calls `take` with every row, the header first. Empty lines are skipped. A mark of UTF-8 at the begin is dropped.
 /// @throws InputError with file and line where a quote stands inside a field or is not closed, or a line ends with a
-/// carriage return alone; IoError when the file
-/// cannot be read. The job's cancellation ends the reading early.
+/// carriage return alone; IoError when the file cannot be read. The job's cancellation ends the reading early.
 void read_csv(const std::filesystem::path& file, const std::function<void(const CsvRow&)>& take, const Job& job = {});
 
 /// The text in quotes, with quotes inside doubled.

@@ -456,6 +456,7 @@ namespace {
         const bool faces = plan.centre_deg < 0.0;
         const double centre = faces ? nearest_to(nodes, target).second : along_at_angle(nodes, plan.centre_deg);
         Window window = window_in(nodes, centre, plan.length_mm, plan.from_deg, plan.to_deg);
+        const double unmoved = window.from;
         if (plan.shift_mm != 0.0) // from where the incision has come to lie, which may not be the wanted centre
             window = window_in(
                 nodes, 0.5 * (window.from + window.to) + plan.shift_mm, plan.length_mm, plan.from_deg, plan.to_deg);
@@ -476,7 +477,7 @@ namespace {
             + (window.to - window.from < plan.length_mm - 1.0
                     ? " The space leaves no room for the " + in_words(plan.length_mm) + " mm that were asked."
                     : "")
-            + (plan.shift_mm != 0.0 ? " It is moved along the space by " + in_words(std::abs(plan.shift_mm))
+            + (plan.shift_mm != 0.0 ? " It is moved along the space by " + in_words(std::abs(window.from - unmoved))
                         + " mm towards the " + (plan.shift_mm > 0.0 ? "front." : "back.")
                                     : "")
             + room + wall_words(approach, omitted);

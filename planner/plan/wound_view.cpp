@@ -61,18 +61,8 @@ namespace {
         for (const HookShape& hook : placed_hooks(field, displacement, opening))
             all.push_back(
                 { .name = hook.name, .surface = hook_mesh(hook), .labels = {}, .material = "steel", .wall = true });
-        all.push_back({ .name = "end of the image",
-            .surface = moved(*patient.image_end(), organs_by),
-            .labels = {},
-            .material = {},
-            .wall = false });
-        for (const mesh::LabelInfo& info : table)
-            if (blocks_view(info, field.approach, patient))
-                all.push_back({ .name = info.name,
-                    .surface = moved(*patient.organ(info.name), organs_by),
-                    .labels = {},
-                    .material = info.material,
-                    .wall = false });
+        for (Occluder& organ : organ_occluders(field.approach, patient, organs_by))
+            all.push_back(std::move(organ));
         return all;
     }
 
@@ -94,14 +84,7 @@ namespace {
                   occluders(field, displacement, geometry, patient, organs_by), job)
             , samples(surface_samples(scene.target(), kTargetSamples))
         {
-            const Vec3 aim = aim_through(scene, geometry, samples);
-            const ViewSpec& eyes = field.approach.view;
-            const double to_opening = (geometry.centre - aim).norm();
-            const double lean = std::min(kLeanMm, 0.5 * eyes.eye_distance_mm);
-            places.cone = cone_through_opening(
-                geometry, aim, to_opening + eyes.eye_distance_mm, eyes.half_angle_deg, eyes.eye_count);
-            places.nearest_mm = places.cone.eye_distance_mm - lean;
-            places.farthest_mm = places.cone.eye_distance_mm + lean;
+            places = eye_places_through(geometry, aim_through(scene, geometry, samples), field.approach.view);
         }
     };
 
@@ -113,6 +96,36 @@ bool blocks_view(const mesh::LabelInfo& label, const Approach& approach, Patient
     const bool is_target = label.name == approach.target.label && !approach.target.is_site();
     return !is_target && (operated_on == nullptr || label.id != operated_on->id)
         && stays_in_place(label, approach, patient);
+}
+
+std::vector<Occluder> organ_occluders(const Approach& approach, Patient& patient, const Vec3& by)
+{
+    std::vector<Occluder> organs;
+    organs.push_back({ .name = "end of the image",
+        .surface = moved(*patient.image_end(), by),
+        .labels = {},
+        .material = {},
+        .wall = false });
+    for (const mesh::LabelInfo& info : patient.planned_case().label_table)
+        if (blocks_view(info, approach, patient))
+            organs.push_back({ .name = info.name,
+                .surface = moved(*patient.organ(info.name), by),
+                .labels = {},
+                .material = info.material,
+                .wall = false });
+    return organs;
+}
+
+EyePlaces eye_places_through(const OpeningGeometry& opening, const Vec3& aim, const ViewSpec& eyes)
+{
+    const double to_opening = (opening.centre - aim).norm();
+    const double lean = std::min(kLeanMm, 0.5 * eyes.eye_distance_mm);
+    EyePlaces places;
+    places.cone
+        = cone_through_opening(opening, aim, to_opening + eyes.eye_distance_mm, eyes.half_angle_deg, eyes.eye_count);
+    places.nearest_mm = places.cone.eye_distance_mm - lean;
+    places.farthest_mm = places.cone.eye_distance_mm + lean;
+    return places;
 }
 
 std::vector<HookShape> placed_hooks(

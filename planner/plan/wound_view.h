@@ -29,6 +29,14 @@ struct WoundView {
 /// hide the site.
 bool blocks_view(const mesh::LabelInfo& label, const Approach& approach, Patient& patient);
 
+/// The organs that stay in place and block the view, and the faces where the image ends.
+/// @param by their motion, mm
+std::vector<Occluder> organ_occluders(const Approach& approach, Patient& patient, const Vec3& by = Vec3::Zero());
+
+/// The places that the eyes of a view can take: the cone through the opening, from which a surgeon leans in and back.
+/// @throws InputError as cone_through_opening() does
+EyePlaces eye_places_through(const OpeningGeometry& opening, const Vec3& aim, const ViewSpec& eyes);
+
 /// The hooks or blades of a field where they stand under a displacement.
 std::vector<HookShape> placed_hooks(
     const PlannedField& field, const Points& displacement, const OpeningGeometry& opening);

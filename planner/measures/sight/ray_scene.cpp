@@ -219,22 +219,33 @@ RTCRay RayScene::Parts::ray(const Vec3& from, const Vec3& direction, double near
 }
 
 RayScene::RayScene(TriMesh target, std::vector<Occluder> occluders, const Job& job)
-    : parts_(std::make_unique<Parts>())
 {
     const Stopwatch watch;
+    const auto parts = std::make_shared<Parts>();
+    parts_ = parts;
     check_surface(target, "target");
     for (const auto& triangle : target.triangles)
-        parts_->target_area_mm2 += triangle_area(target.vertices, triangle);
-    if (!(parts_->target_area_mm2 > 0.0))
+        parts->target_area_mm2 += triangle_area(target.vertices, triangle);
+    if (!(parts->target_area_mm2 > 0.0))
         throw InputError("the target's surface is empty or has no area");
     target.labels.clear();
-    parts_->add({ .name = "target", .surface = std::move(target), .labels = {}, .material = {} }, kTargetMask);
+    parts->add({ .name = "target", .surface = std::move(target), .labels = {}, .material = {} }, kTargetMask);
     for (Occluder& occluder : occluders) {
         const unsigned mask = occluder.wall ? kWallMask : kOrganMask;
-        parts_->add(std::move(occluder), mask);
+        parts->add(std::move(occluder), mask);
     }
-    const std::size_t bytes = parts_->build();
+    const std::size_t bytes = parts->build();
     record_part(job, "ray tracer", watch, bytes);
+}
+
+RayScene::RayScene(const RayScene& open, Aperture aperture, std::string_view wall)
+    : parts_(open.parts_)
+{
+    const auto found = std::ranges::find_if(parts_->tissues, [&](const Tissue& tissue) { return tissue.name == wall; });
+    if (found == parts_->tissues.end())
+        throw InputError("the scene has no tissue \"" + std::string(wall) + "\"");
+    wall_
+        = Wall { .aperture = std::move(aperture), .tissue = static_cast<std::size_t>(found - parts_->tissues.begin()) };
 }
 
 RayScene::~RayScene() = default;
@@ -253,6 +264,8 @@ Vec3 RayScene::normal(const SurfaceSample& sample) const
 
 bool RayScene::clear(const Vec3& from, const Vec3& direction, double near_mm, double far_mm, unsigned mask) const
 {
+    if (wall_ && (mask & kWallMask) != 0 && !wall_->aperture.passes(from, direction))
+        return false;
     RTCRay ray = parts_->ray(from, direction, near_mm, far_mm, mask);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -270,7 +283,12 @@ std::optional<RayHit> RayScene::first(
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcIntersect1(parts_->scene, &context, &query);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    const bool hits = query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    if (wall_ && (mask & kWallMask) != 0 && !wall_->aperture.passes(from, direction))
+        if (const double at = wall_->aperture.distance_to_skin(from, direction);
+            at >= near_mm && at <= far_mm && !(hits && static_cast<double>(query.ray.tfar) < at))
+            return RayHit { at, wall_->tissue };
+    if (!hits)
         return std::nullopt;
     RETRACTOR_ASSERT(query.hit.geomID < parts_->bodies.size());
     const Body& body = parts_->bodies[query.hit.geomID];

@@ -7,12 +7,14 @@
 #include "mesh/base/geometry.h"
 #include "mesh/base/job.h"
 #include "mesh/image/volume.h"
+#include "planner/measures/sight/aperture.h"
 
 #include <Eigen/Geometry>
 
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor::planner {
@@ -67,6 +69,9 @@ struct RayScene {
     /// @throws InputError on an empty or malformed target, or a malformed occluder (named). An occluder without
     /// triangles is allowed.
     RayScene(TriMesh target, std::vector<Occluder> occluders, const Job& job);
+    /// The same scene behind a wall that only an aperture passes. It shares the surfaces, so it takes no time to make.
+    /// The wall is the tissue of this name. @throws InputError where the scene has no such tissue
+    RayScene(const RayScene& open, Aperture aperture, std::string_view wall);
     ~RayScene();
     RayScene(const RayScene&) = delete;
     RayScene& operator=(const RayScene&) = delete;
@@ -89,7 +94,12 @@ struct RayScene {
 
 private:
     struct Parts;
-    std::unique_ptr<Parts> parts_;
+    struct Wall {
+        Aperture aperture;
+        std::size_t tissue = 0;
+    };
+    std::shared_ptr<const Parts> parts_;
+    std::optional<Wall> wall_;
 };
 
 } // namespace retractor::planner

@@ -1,0 +1,178 @@
+#include "planner/search/aperture_score.h"
+
+#include "mesh/base/error.h"
+#include "mesh/image/skeleton.h"
+#include "planner/approach/approach_templates.h"
+#include "planner/measures/bones/bone_limits.h"
+#include "planner/measures/risk_distances.h"
+#include "planner/measures/sight/surgeon_eye.h"
+#include "planner/plan/wound_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace retractor::planner {
+
+namespace {
+
+    constexpr const char* kWall = "wall";
+    constexpr int kEyes = 19; ///< directions of the cone; the search for the best eye refines them
+    constexpr double kRiskSpacingMm = 3.0; ///< between the points of structures at risk
+    constexpr double kDepthMarginMm = 5.0; ///< of the blade beyond the wall, as that of the templates
+
+    /// Whether a bone gives way to what is done.
+    bool gives_way(const mesh::LabelInfo& bone, ApertureKind kind)
+    {
+        if (kind == ApertureKind::skin)
+            return false;
+        if (is_rib(bone.name) || bone.material == "cartilage")
+            return true;
+        return kind == ApertureKind::sternum && (bone.name == "sternum" || bone.name == "bone_other");
+    }
+
+    double distance_to_segment(const Vec3& point, const Vec3& a, const Vec3& b)
+    {
+        const Vec3 line = b - a;
+        const double t = std::clamp((point - a).dot(line) / line.squaredNorm(), 0.0, 1.0);
+        return (a + t * line - point).norm();
+    }
+
+} // namespace
+
+std::vector<std::string> organs_aside(
+    const mesh::LabelTable& table, const TargetSpec& target, ApertureKind kind, const std::vector<std::string>& asked)
+{
+    std::vector<std::string> organs
+        = retracted_organs(table, kind != ApertureKind::right_space, kind != ApertureKind::left_space, true);
+    for (const std::string& name : asked) {
+        const mesh::LabelInfo* info = mesh::find_label(table, name);
+        if (info == nullptr || mesh::is_wall(*info))
+            throw InputError("there is no organ \"" + name + "\" that can be held aside", "retracted", { "retracted" });
+        if (std::ranges::find(organs, name) == organs.end())
+            organs.push_back(name);
+    }
+    std::erase(organs, target.label);
+    return organs;
+}
+
+ApertureScorer::ApertureScorer(
+    Patient& patient, TargetSpec target, ViewSpec view, std::vector<std::string> aside, const Job& job)
+    : patient_(patient)
+    , target_(std::move(target))
+    , view_(view)
+    , aside_(std::move(aside))
+    , job_(job)
+    , target_surface_(patient.target(target_))
+    , labels_(patient.labels())
+{
+    static_cast<void>(organs_aside(patient.planned_case().label_table, target_, ApertureKind::skin, aside_));
+    view_.eye_count = std::min(view_.eye_count, kEyes);
+    for (const mesh::LabelInfo& info : patient.planned_case().label_table) {
+        if (info.role != mesh::Role::at_risk || !patient.has_voxels(info.name))
+            continue;
+        std::set<std::tuple<int, int, int>> cells;
+        const std::shared_ptr<const TriMesh> surface = patient.organ(info.name);
+        for (Eigen::Index v = 0; v < surface->vertices.rows(); ++v) {
+            const Vec3 at = surface->vertices.row(v).transpose();
+            const auto cell = [&](int axis) { return static_cast<int>(std::floor(at[axis] / kRiskSpacingMm)); };
+            if (cells.insert({ cell(0), cell(1), cell(2) }).second)
+                risk_points_.push_back({ .at = at, .label = risk_names_.size() });
+        }
+        risk_names_.push_back(info.name);
+        risk_labels_.push_back(info.id);
+    }
+}
+
+std::vector<SurfaceSample> ApertureScorer::samples(int count) const { return surface_samples(*target_surface_, count); }
+
+const RayScene& ApertureScorer::scene_of(ApertureKind kind)
+{
+    const std::scoped_lock lock(mutex_);
+    std::unique_ptr<RayScene>& scene = scenes_.at(static_cast<std::size_t>(kind));
+    if (!scene) {
+        const mesh::LabelTable& table = patient_.planned_case().label_table;
+        Approach approach;
+        approach.target = target_;
+        approach.retracted = organs_aside(table, target_, kind, aside_);
+        std::vector<Occluder> occluders = organ_occluders(approach, patient_);
+        occluders.push_back({ .name = kWall, .surface = {}, .labels = {}, .material = {}, .wall = true });
+        for (const mesh::LabelInfo& info : table)
+            if (mesh::is_wall(info) && mesh::is_skeleton(info) && !gives_way(info, kind)
+                && patient_.has_voxels(info.name))
+                occluders.push_back({ .name = info.name,
+                    .surface = *patient_.organ(info.name),
+                    .labels = {},
+                    .material = info.material,
+                    .wall = true });
+        scene = std::make_unique<RayScene>(*target_surface_, std::move(occluders), job_);
+    }
+    return *scene;
+}
+
+std::set<Label> ApertureScorer::labels_on_blade(const std::vector<ApertureSection>& sections) const
+{
+    const double step = labels_->grid.spacing.minCoeff();
+    std::set<Label> met;
+    for (const ApertureSection& section : sections) {
+        const Vec3 inward = (section.inner - section.skin).normalized();
+        const double depth = (section.inner - section.skin).norm() + kDepthMarginMm;
+        for (double at = 0.0; at <= depth; at += step)
+            met.insert(mesh::label_at(*labels_, section.skin + at * inward));
+    }
+    return met;
+}
+
+std::vector<RiskDistance> ApertureScorer::risks_beside(const std::vector<ApertureSection>& sections) const
+{
+    std::vector<RiskDistance> nearest;
+    for (const std::string& name : risk_names_)
+        nearest.push_back({ .name = name, .distance_mm = std::numeric_limits<double>::infinity() });
+    for (const ApertureSection& section : sections) {
+        const Vec3 inward = (section.inner - section.skin).normalized();
+        const Vec3 tip = section.inner + kDepthMarginMm * inward;
+        for (const RiskPoint& point : risk_points_)
+            if (const double distance = distance_to_segment(point.at, section.skin, tip);
+                distance < nearest[point.label].distance_mm) {
+                nearest[point.label].distance_mm = distance;
+                nearest[point.label].at = point.at;
+            }
+    }
+    const std::set<Label> met = labels_on_blade(sections);
+    for (std::size_t n = 0; n < nearest.size(); ++n)
+        if (met.contains(risk_labels_[n]))
+            nearest[n].distance_mm = 0.0;
+    std::erase_if(nearest, [](const RiskDistance& risk) { return risk.distance_mm > kFarthestRiskMm; });
+    return nearest_risks(std::move(nearest));
+}
+
+Candidate ApertureScorer::score(const std::vector<ApertureSection>& sections, double width_mm, ApertureKind kind,
+    const std::vector<SurfaceSample>& samples)
+{
+    const RayScene scene(scene_of(kind), Aperture(sections, width_mm), kWall);
+    const OpeningGeometry opening = Aperture(sections, width_mm).opening();
+    const EyePlaces places = eye_places_through(opening, aim_through(scene, opening, samples), view_);
+    SurgeonEye best = best_eye(scene, places, samples);
+    add_two_eyes_and_instruments(best, scene, opening, samples);
+    Candidate candidate;
+    FieldMetrics& field = candidate.field;
+    field.target = target_name(target_);
+    field.target_spec = target_;
+    field.seen_best_eye = best.seen_fraction;
+    field.reached_by_two_instruments = best.two_instruments_fraction;
+    const double cosine = (best.eye - best.aim).normalized().dot(opening.normal);
+    field.best_eye.bound_area_mm2 = best.bound_area_mm2;
+    field.coaxiality_deg = 180.0 / std::numbers::pi * std::acos(std::clamp(cosine, -1.0, 1.0));
+    field.incision_length_mm = opening.incision_length_mm;
+    field.opening_width_mm = width_mm;
+    field.at_risk = risks_beside(sections);
+    if (kind == ApertureKind::sternum)
+        candidate.divided_bones = { "sternum" };
+    return candidate;
+}
+
+} // namespace retractor::planner

@@ -1,0 +1,633 @@
+#include "planner/search/incision_search.h"
+
+#include "mesh/base/assert.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
+#include "mesh/base/triangle.h"
+#include "planner/approach/approach_templates.h"
+#include "planner/approach/retractors.h"
+#include "planner/search/aperture_score.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <numbers>
+#include <set>
+#include <thread>
+#include <utility>
+
+namespace retractor::planner {
+
+namespace {
+
+    constexpr double kGridMm = 15.0, kLengthGridMm = 30.0; ///< of the places and lengths over a space
+    constexpr int kSkinPlaces = 1500; ///< of incisions anywhere
+    /// On the target: of the grid, of the steps from its best places, and of the last steps.
+    constexpr int kSamples = 120, kFineSamples = 480, kFinestSamples = 2000;
+    /// A wound opens by half of its length at most: skin that is not stretched spans no more than a flat slit.
+    constexpr double kWidestShare = 0.5;
+    constexpr std::size_t kStarts = 12; ///< places from which steps are taken
+    constexpr std::size_t kPolished = 4; ///< places from which the last steps are taken
+    constexpr double kFirstStepMm = 8.0, kFirstLastStepMm = 8.0, kSmallestStepMm = 0.75;
+    /// Places of the grid that are nearer to a better one lead to the same incision.
+    constexpr double kApartOverSpaceMm = 60.0, kApartOnSkinMm = 30.0;
+    constexpr double kLeastOpeningMm = 5.0;
+
+    /// Numbers between 0 and 1 that a seed shifts, spread evenly.
+    double shifted(std::size_t n, unsigned seed, double generator)
+    {
+        constexpr double kGoldenShare = 0.6180339887498949;
+        const double x = generator * static_cast<double>(n + 1) + kGoldenShare * seed;
+        return x - std::floor(x);
+    }
+    constexpr double kGenerators[] = { 0.7548776662466927, 0.5698402909980532, 0.8191725133961645 };
+
+    /// An incision to try.
+    struct Trial {
+        std::optional<std::size_t> line {}; ///< over a space; not set: a straight line on the skin
+        double along_mm = 0.0; ///< of the middle along the line
+        Vec3 middle = Vec3::Zero(), inward = Vec3::Zero(); ///< on the skin
+        double turn_deg = 0.0; ///< of the straight line, from the patient's long axis
+        double length_mm = 0.0;
+    };
+
+    struct Tried {
+        Trial trial;
+        FoundIncision incision;
+    };
+
+    /// Runs f(0) to f(count - 1) on several threads; an exception of one of them is thrown here.
+    void run_parallel(std::size_t count, const Job& job, const std::function<void(std::size_t)>& f)
+    {
+        std::atomic<std::size_t> next { 0 };
+        std::exception_ptr failure;
+        std::mutex mutex;
+        const auto work = [&](bool reports) {
+            for (std::size_t i = next.fetch_add(1); i < count && !job.cancelled(); i = next.fetch_add(1)) {
+                try {
+                    f(i);
+                } catch (...) {
+                    const std::scoped_lock lock(mutex);
+                    failure = std::current_exception();
+                    next.store(count);
+                }
+                if (reports)
+                    job.report("incisions by rays", static_cast<double>(i + 1) / static_cast<double>(count));
+            }
+        };
+        {
+            std::vector<std::jthread> threads;
+            for (int t = 1; t < std::min<int>(job.threads, static_cast<int>(std::thread::hardware_concurrency())); ++t)
+                threads.emplace_back(work, false);
+            work(true);
+        }
+        if (failure)
+            std::rethrow_exception(failure);
+    }
+
+    struct Search {
+        Patient& patient;
+        const SearchRequest& request;
+        const Job& job;
+        Weights weights;
+        BodyProbe probe;
+        AnatomicalFrame frame;
+        ApertureScorer scorer;
+        std::vector<IncisionLine> lines {};
+        double largest_bound_mm2 = 0.0; ///< of all incisions of the grid; 0: not known yet
+
+        Search(Patient& of, const SearchRequest& asked, const Job& accompanying)
+            : patient(of)
+            , request(asked)
+            , job(accompanying)
+            , weights(weights_without_force(asked.weights))
+            , probe(*of.labels())
+            , frame(of.frame())
+            , scorer(of, asked.target, asked.view, asked.retracted, accompanying)
+        {
+        }
+
+        double width_of(double length_mm, ApertureKind kind) const
+        {
+            const double usual = kind == ApertureKind::sternum ? kSternumOpeningMm : kRibOpeningMm;
+            return std::min(request.opening_mm > 0.0 ? request.opening_mm : usual, kWidestShare * length_mm);
+        }
+
+        /// Scores sections; nothing where a structure at risk is too near or the target lies in the opening.
+        std::optional<FoundIncision> scored(const std::vector<ApertureSection>& sections, double length_mm,
+            ApertureKind kind, const std::vector<SurfaceSample>& samples)
+        {
+            FoundIncision incision;
+            incision.length_mm = length_mm;
+            incision.opening_mm = width_of(length_mm, kind);
+            try {
+                incision.candidate = scorer.score(sections, incision.opening_mm, kind, samples);
+            } catch (const InputError&) {
+                return std::nullopt;
+            }
+            const std::vector<RiskDistance>& risks = incision.candidate.field.at_risk;
+            if (!risks.empty() && risks.front().distance_mm < request.limits.from_risk_mm)
+                return std::nullopt;
+            for (const ApertureSection& section : sections)
+                incision.points.push_back(section.skin);
+            const std::size_t last = incision.points.size() - 1;
+            incision.middle = 0.5 * (incision.points[last / 2] + incision.points[last - last / 2]);
+            rescale(incision);
+            return incision.candidate.field.seen_best_eye < least_seen() ? std::nullopt : std::optional(incision);
+        }
+
+        /// The grid shows first what can be seen at all.
+        double least_seen() const { return largest_bound_mm2 > 0.0 ? request.limits.least_seen : 0.0; }
+
+        /// Turns the shares of what this incision's eyes could see into shares of the largest area.
+        void rescale(FoundIncision& incision) const
+        {
+            FieldMetrics& field = incision.candidate.field;
+            const double share
+                = largest_bound_mm2 > 0.0 ? std::min(1.0, field.best_eye.bound_area_mm2 / largest_bound_mm2) : 1.0;
+            field.seen_best_eye *= share;
+            field.reached_by_two_instruments *= share;
+            incision.points_of_100 = score_of(incision.candidate, weights).points;
+        }
+
+        std::optional<Tried> tried(const Trial& trial, const std::vector<SurfaceSample>& samples)
+        {
+            return trial.line ? over_space(trial, samples) : on_skin(trial, samples);
+        }
+
+        std::optional<Tried> over_space(const Trial& trial, const std::vector<SurfaceSample>& samples)
+        {
+            const IncisionLine& line = lines[*trial.line];
+            const auto sections = sections_between(
+                line, trial.along_mm - 0.5 * trial.length_mm, trial.along_mm + 0.5 * trial.length_mm);
+            if (!sections)
+                return std::nullopt;
+            auto incision = scored(*sections, trial.length_mm,
+                line.space->left ? ApertureKind::left_space : ApertureKind::right_space, samples);
+            if (!incision)
+                return std::nullopt;
+            incision->kind = FoundIncision::Kind::space;
+            incision->space = line.space;
+            incision->along_mm = trial.along_mm;
+            const auto nearest = std::ranges::min_element(
+                line.places, {}, [&](const LinePlace& place) { return std::abs(place.along_mm - trial.along_mm); });
+            incision->angle_deg = nearest->angle_deg;
+            return Tried { trial, *std::move(incision) };
+        }
+
+        /// The direction of a straight line, square to the blade.
+        Vec3 along_of(const Trial& trial) const
+        {
+            const Vec3 axis = std::abs(frame.superior.dot(trial.inward)) < 0.9 ? frame.superior : frame.anterior;
+            const Vec3 up = (axis - trial.inward.dot(axis) * trial.inward).normalized();
+            return Eigen::AngleAxisd(trial.turn_deg * std::numbers::pi / 180.0, trial.inward) * up;
+        }
+
+        std::optional<Tried> on_skin(const Trial& trial, const std::vector<SurfaceSample>& samples)
+        {
+            const auto line = line_on_skin(probe, trial.middle, trial.inward, along_of(trial), trial.length_mm);
+            if (!line)
+                return std::nullopt;
+            std::vector<ApertureSection> sections;
+            for (const LinePlace& place : line->places)
+                sections.push_back(place.wall);
+            auto incision = scored(sections, trial.length_mm, ApertureKind::skin, samples);
+            if (!incision)
+                return std::nullopt;
+            incision->kind = FoundIncision::Kind::skin;
+            return Tried { trial, *std::move(incision) };
+        }
+    };
+
+    // ---- what is tried ---------------------------------------------------------------------------------------------
+
+    void check_limits(const SearchRequest& request)
+    {
+        const SearchLimits& limits = request.limits;
+        const auto refuse = [](const std::string& why, const char* where) { throw InputError(why, where, { where }); };
+        if (!(limits.shortest_mm > 0.0 && limits.longest_mm >= limits.shortest_mm && limits.longest_mm <= 1000.0))
+            refuse("the lengths must be above 0, in order and at most 1000 mm, not " + in_words(limits.shortest_mm)
+                    + " to " + in_words(limits.longest_mm),
+                "length");
+        if (!(limits.highest_space >= 1 && limits.lowest_space <= 11 && limits.highest_space <= limits.lowest_space))
+            refuse("the spaces must be 1 to 11 and in order, not " + std::to_string(limits.highest_space) + " to "
+                    + std::to_string(limits.lowest_space),
+                "spaces");
+        if (!(request.opening_mm == 0.0 || request.opening_mm >= kLeastOpeningMm) || !std::isfinite(request.opening_mm))
+            refuse("the opening must be at least " + in_words(kLeastOpeningMm) + " mm", "opening");
+        if (!(limits.from_risk_mm >= 0.0 && std::isfinite(limits.from_risk_mm)))
+            refuse("the distance from structures at risk must be at least 0 mm", "from risk");
+        if (!(limits.least_seen >= 0.0 && limits.least_seen <= 1.0))
+            refuse("the least share that is seen must be 0 to 100 %", "least seen");
+        if (!request.retractor.empty())
+            static_cast<void>(find_retractor(built_in_retractors(), request.retractor));
+        if (!request.anywhere && !limits.left && !limits.right && !limits.saw)
+            refuse("neither side and not the sternum: nothing is left to try", "side");
+    }
+
+    /// The lines over all spaces that the limits allow.
+    void find_lines(Search& search, const Anatomy& anatomy, std::vector<std::string>& missing)
+    {
+        const SearchLimits& limits = search.request.limits;
+        std::vector<SpaceNumber> spaces;
+        for (const bool left : { true, false })
+            for (int number = limits.highest_space; number <= limits.lowest_space; ++number)
+                if (left ? limits.left : limits.right)
+                    spaces.push_back({ left, number });
+        std::vector<std::optional<IncisionLine>> found(spaces.size());
+        std::vector<std::string> why(spaces.size());
+        run_parallel(spaces.size(), search.job, [&](std::size_t n) {
+            try {
+                found[n] = line_over_space(search.probe, anatomy, spaces[n].left, spaces[n].number);
+            } catch (const InputError& error) {
+                why[n] = space_name(spaces[n].left, spaces[n].number) + ": " + error.what();
+            }
+        });
+        for (std::size_t n = 0; n < spaces.size(); ++n) {
+            if (found[n])
+                search.lines.push_back(*std::move(found[n]));
+            else if (!why[n].empty())
+                missing.push_back(why[n]);
+        }
+    }
+
+    std::shared_ptr<const Anatomy> landmarks_of(Patient& patient)
+    {
+        try {
+            return patient.anatomy();
+        } catch (const InputError& error) {
+            throw InputError(std::string(error.what())
+                + "; without landmarks an incision can be searched anywhere on the skin, and not between ribs");
+        }
+    }
+
+    std::vector<double> lengths_of(const SearchRequest& request)
+    {
+        const SearchLimits& limits = request.limits;
+        std::vector<double> lengths;
+        const double shift = shifted(0, request.seed, kGenerators[0])
+            * std::min(kLengthGridMm, limits.longest_mm - limits.shortest_mm);
+        for (double length = limits.shortest_mm + shift; length <= limits.longest_mm; length += kLengthGridMm)
+            lengths.push_back(length);
+        return lengths;
+    }
+
+    std::vector<Trial> trials_over_spaces(const Search& search)
+    {
+        std::vector<Trial> trials;
+        for (std::size_t line = 0; line < search.lines.size(); ++line)
+            for (const double length : lengths_of(search.request)) {
+                const double end = search.lines[line].places.back().along_mm;
+                const double shift = shifted(1, search.request.seed, kGenerators[1]) * kGridMm;
+                for (double along = 0.5 * length + shift; along + 0.5 * length <= end; along += kGridMm)
+                    trials.push_back({ .line = line, .along_mm = along, .length_mm = length });
+            }
+        return trials;
+    }
+
+    /// Places spread evenly over the skin, with directions and lengths.
+    std::vector<Trial> trials_on_skin(const Search& search)
+    {
+        constexpr double kOutsideMm = 5.0;
+        const mesh::LabelVolume& labels = search.probe.labels();
+        const SearchLimits& limits = search.request.limits;
+        std::vector<Trial> trials;
+        const std::shared_ptr<const TriMesh> body = search.patient.body();
+        for (const SurfaceSample& sample : surface_samples(*body, 2 * kSkinPlaces)) {
+            const Vec3 outward
+                = unit_normal(body->vertices, body->triangles[static_cast<std::size_t>(sample.triangle)]);
+            const Vec3 border = labels.grid.index(sample.position + kOutsideMm * outward);
+            const bool inside_image = (border.array() >= 0.0).all() && border.x() <= labels.grid.size[0] - 1
+                && border.y() <= labels.grid.size[1] - 1 && border.z() <= labels.grid.size[2] - 1;
+            if (!inside_image || mesh::label_at(labels, sample.position + kOutsideMm * outward) != 0)
+                continue; // the image ends here, or this is the inner side of the wall
+            const std::size_t n = trials.size();
+            Trial trial { .middle = sample.position, .inward = -search.probe.skin_normal(sample.position) };
+            trial.turn_deg = 180.0 * shifted(n, search.request.seed, kGenerators[0]);
+            trial.length_mm = limits.shortest_mm
+                + (limits.longest_mm - limits.shortest_mm) * shifted(n, search.request.seed, kGenerators[1]);
+            trial.middle += (shifted(n, search.request.seed, kGenerators[2]) - 0.5) * kGridMm * search.along_of(trial);
+            trials.push_back(trial);
+        }
+        return trials;
+    }
+
+    // ---- steps -----------------------------------------------------------------------------------------------------
+
+    std::vector<Trial> neighbours_of(const Search& search, const Trial& from, double step_mm)
+    {
+        constexpr double kDegPerMm = 2.0; // the ends of an incision of 60 mm move by the step
+        const SearchLimits& limits = search.request.limits;
+        std::vector<Trial> neighbours;
+        for (const double sign : { 1.0, -1.0 }) {
+            Trial length = from;
+            length.length_mm = std::clamp(from.length_mm + sign * 2.0 * step_mm, limits.shortest_mm, limits.longest_mm);
+            if (length.length_mm != from.length_mm)
+                neighbours.push_back(length);
+            Trial moved = from;
+            if (from.line) {
+                moved.along_mm += sign * step_mm;
+                neighbours.push_back(moved);
+                continue;
+            }
+            const Vec3 along = search.along_of(from), across = from.inward.cross(along);
+            for (const Vec3& direction : { along, across }) {
+                moved.middle = from.middle + sign * step_mm * direction;
+                neighbours.push_back(moved);
+            }
+            Trial turned = from;
+            turned.turn_deg += sign * kDegPerMm * step_mm;
+            neighbours.push_back(turned);
+            // Where turning and moving gain only together.
+            for (const double other : { 1.0, -1.0 }) {
+                Trial both = from;
+                both.middle += 0.7 * step_mm * (sign * along + other * across);
+                both.turn_deg += sign * other * 0.7 * kDegPerMm * step_mm;
+                neighbours.push_back(both);
+            }
+        }
+        return neighbours;
+    }
+
+    /// Steps to better incisions; the steps are halved until they are small. @returns all that was tried
+    std::vector<Tried> stepped(
+        Search& search, const Tried& start, double first_mm, const std::vector<SurfaceSample>& samples)
+    {
+        constexpr int kStepsEach = 8;
+        std::vector<Tried> all;
+        std::optional<Tried> best = search.tried(start.trial, samples);
+        if (!best)
+            return all;
+        all.push_back(*best);
+        for (double step_mm = first_mm; step_mm > kSmallestStepMm; step_mm *= 0.5) {
+            bool moved = true;
+            for (int step = 0; moved && step < kStepsEach && !search.job.cancelled(); ++step) {
+                moved = false;
+                for (const Trial& trial : neighbours_of(search, best->trial, step_mm)) {
+                    const std::optional<Tried> next = search.tried(trial, samples);
+                    if (!next)
+                        continue;
+                    all.push_back(*next);
+                    if (next->incision.points_of_100 > best->incision.points_of_100) {
+                        best = next;
+                        moved = true;
+                    }
+                }
+            }
+        }
+        all.push_back(*best); // the last is the best
+        return all;
+    }
+
+    bool is_better(const Tried& a, const Tried& b) { return a.incision.points_of_100 > b.incision.points_of_100; }
+
+    bool lead_to_the_same(const Tried& a, const Tried& b)
+    {
+        const double apart = (a.incision.middle - b.incision.middle).norm();
+        if (!a.trial.line || !b.trial.line)
+            return apart < kApartOnSkinMm;
+        return a.trial.line == b.trial.line && apart < kApartOverSpaceMm;
+    }
+
+    /// The best, and those that lead elsewhere. @param tried highest score first
+    std::vector<Tried> starts_of(const std::vector<Tried>& tried)
+    {
+        std::vector<Tried> starts;
+        for (const Tried& one : tried) {
+            if (starts.size() == kStarts)
+                break;
+            if (std::ranges::none_of(starts, [&](const Tried& start) { return lead_to_the_same(one, start); }))
+                starts.push_back(one);
+        }
+        return starts;
+    }
+
+    /// Steps from several places. @returns where they end, the best first; those that have come together once
+    std::vector<Tried> stepped_from(Search& search, const std::vector<Tried>& starts, double first_mm,
+        const std::vector<SurfaceSample>& samples, std::vector<TriedPlace>& places)
+    {
+        std::vector<std::vector<Tried>> paths(starts.size());
+        run_parallel(starts.size(), search.job,
+            [&](std::size_t n) { paths[n] = stepped(search, starts[n], first_mm, samples); });
+        std::vector<Tried> ends;
+        for (const std::vector<Tried>& path : paths) {
+            if (!path.empty())
+                ends.push_back(path.back());
+            for (const Tried& one : path)
+                places.push_back({ one.incision.middle, one.incision.points_of_100 });
+        }
+        std::ranges::stable_sort(ends, is_better);
+        return starts_of(ends);
+    }
+
+    /// The midline of the sternum, whose place and length are given.
+    std::optional<FoundIncision> over_sternum(
+        Search& search, std::vector<std::string>& missing, const std::vector<SurfaceSample>& samples)
+    {
+        try {
+            ApproachRequest request;
+            request.template_name = "median";
+            request.target = search.request.target;
+            const Approach approach
+                = approach_from_template(*search.patient.labels(), *search.patient.anatomy(), request);
+            std::vector<ApertureSection> sections;
+            for (std::size_t n = 0; n < approach.incision.size(); ++n)
+                sections.push_back({ .skin = approach.incision[n],
+                    .inner = approach.incision[n] + approach.wall_thickness_mm[n] * approach.directions[n] });
+            auto incision = search.scored(sections, incision_length(approach), ApertureKind::sternum, samples);
+            if (incision)
+                incision->kind = FoundIncision::Kind::sternum;
+            return incision;
+        } catch (const InputError& error) {
+            missing.push_back(std::string("sternum: ") + error.what());
+            return std::nullopt;
+        }
+    }
+
+    /// The grid, without what shows too little. @param places receives all of it
+    std::vector<Tried> tried_grid(Search& search, const std::vector<Trial>& trials, std::vector<TriedPlace>& places)
+    {
+        const std::vector<SurfaceSample> samples = search.scorer.samples(kSamples);
+        std::vector<std::optional<Tried>> results(trials.size());
+        run_parallel(trials.size(), search.job, [&](std::size_t n) { results[n] = search.tried(trials[n], samples); });
+        std::vector<Tried> tried;
+        for (std::optional<Tried>& result : results)
+            if (result)
+                search.largest_bound_mm2
+                    = std::max(search.largest_bound_mm2, result->incision.candidate.field.best_eye.bound_area_mm2);
+        for (std::optional<Tried>& result : results) {
+            if (!result)
+                continue;
+            search.rescale(result->incision);
+            places.push_back({ result->incision.middle, result->incision.points_of_100 });
+            if (result->incision.candidate.field.seen_best_eye >= search.request.limits.least_seen)
+                tried.push_back(*std::move(result));
+        }
+        std::ranges::stable_sort(tried, is_better);
+        return tried;
+    }
+
+} // namespace
+
+Weights weights_without_force(Weights weights)
+{
+    const auto force
+        = std::ranges::find_if(criteria(), [](const Criterion& one) { return std::string_view(one.key) == "force"; });
+    RETRACTOR_ASSERT(force != criteria().end());
+    weights.at(static_cast<std::size_t>(force - criteria().begin())) = 0.0;
+    if (std::ranges::all_of(weights, [](double weight) { return weight == 0.0; }))
+        throw InputError("a search by rays knows no forces: give another criterion a weight", "weights");
+    return weights;
+}
+
+IncisionSearch search_incisions(Patient& patient, const SearchRequest& request, const Job& job)
+{
+    check_limits(request);
+    const Stopwatch watch;
+    IncisionSearch result;
+    Search search(patient, request, job);
+    if (!request.anywhere)
+        find_lines(search, *landmarks_of(patient), result.missing);
+    const std::vector<Tried> grid
+        = tried_grid(search, request.anywhere ? trials_on_skin(search) : trials_over_spaces(search), result.tried);
+    const std::vector<SurfaceSample> fine = search.scorer.samples(kFineSamples),
+                                     finest = search.scorer.samples(kFinestSamples);
+    const std::vector<Tried> ends = stepped_from(search, starts_of(grid), kFirstStepMm, fine, result.tried);
+    const auto middle = ends.begin() + static_cast<std::ptrdiff_t>(std::min(kPolished, ends.size()));
+    std::vector<Tried> best = stepped_from(search, { ends.begin(), middle }, kFirstLastStepMm, finest, result.tried);
+    for (auto rest = middle; rest != ends.end(); ++rest) // scores on other samples would not compare
+        if (std::optional<Tried> again = search.tried(rest->trial, finest))
+            best.push_back(*std::move(again));
+    std::ranges::stable_sort(best, is_better);
+    for (const Tried& one : best)
+        result.found.push_back(one.incision);
+    if (!request.anywhere && request.limits.saw)
+        if (auto sternum = over_sternum(search, result.missing, finest)) {
+            result.tried.push_back({ sternum->middle, sternum->points_of_100 });
+            result.found.push_back(*std::move(sternum));
+        }
+    std::ranges::stable_sort(
+        result.found, [](const FoundIncision& a, const FoundIncision& b) { return a.points_of_100 > b.points_of_100; });
+    result.largest_bound_mm2 = search.largest_bound_mm2;
+    result.status = job.cancelled() ? SearchStatus::cancelled : SearchStatus::done;
+    result.seconds = watch.seconds();
+    return result;
+}
+
+// ---- approaches ----------------------------------------------------------------------------------------------------
+
+namespace {
+
+    Vec3 middle_of(const Approach& approach)
+    {
+        return incision_place(approach, 0.5 * incision_length(approach)).of(approach.incision);
+    }
+
+    /// The template's incision, moved along the space until its middle is that of the incision that was found.
+    Approach in_space(Patient& patient, const FoundIncision& incision, ApproachRequest request)
+    {
+        constexpr int kCorrections = 3;
+        constexpr double kSameMm = 1.0;
+        request.template_name = "intercostal:" + std::to_string(incision.space->number);
+        request.left = incision.space->left;
+        request.length_mm = incision.length_mm;
+        Approach approach = approach_from_template(*patient.labels(), *patient.anatomy(), request);
+        for (int n = 0; n < kCorrections; ++n) {
+            const Vec3 off = incision.middle - middle_of(approach);
+            const Vec3 forwards = (approach.incision.back() - approach.incision.front()).normalized();
+            if (std::abs(off.dot(forwards)) < kSameMm)
+                break;
+            request.shift_mm += off.dot(forwards) > 0.0 ? off.norm() : -off.norm();
+            approach = approach_from_template(*patient.labels(), *patient.anatomy(), request);
+        }
+        return approach;
+    }
+
+    std::string name_of(const FoundIncision& incision)
+    {
+        if (incision.kind == FoundIncision::Kind::sternum)
+            return "median";
+        const std::string length = std::to_string(std::lround(incision.length_mm)) + "mm";
+        return incision.space ? std::string(incision.space->left ? "left" : "right") + "_space_"
+                + std::to_string(incision.space->number) + "_" + length
+                              : "incision_" + length;
+    }
+
+    ApertureKind kind_of(const FoundIncision& incision)
+    {
+        switch (incision.kind) {
+        case FoundIncision::Kind::space:
+            return incision.space->left ? ApertureKind::left_space : ApertureKind::right_space;
+        case FoundIncision::Kind::sternum:
+            return ApertureKind::sternum;
+        case FoundIncision::Kind::skin:
+            break;
+        }
+        return ApertureKind::skin;
+    }
+
+} // namespace
+
+Approach approach_of(Patient& patient, const FoundIncision& incision, const SearchRequest& request)
+{
+    ApproachRequest asked;
+    asked.name = name_of(incision);
+    asked.target = request.target;
+    asked.sizing = request.sizing;
+    asked.view = request.view;
+    Approach approach;
+    if (incision.kind == FoundIncision::Kind::space) {
+        approach = in_space(patient, incision, asked);
+    } else if (incision.kind == FoundIncision::Kind::sternum) {
+        asked.template_name = "median";
+        approach = approach_from_template(*patient.labels(), *patient.anatomy(), asked);
+    } else {
+        constexpr std::size_t kEvery = 3; // sections are 8 mm apart
+        std::vector<Vec3> points;
+        for (std::size_t n = 0; n + 1 < incision.points.size(); n += kEvery)
+            points.push_back(incision.points[n]);
+        points.push_back(incision.points.back());
+        approach = approach_from_points(*patient.labels(), points, asked).approach;
+    }
+    approach.retracted
+        = organs_aside(patient.planned_case().label_table, request.target, kind_of(incision), request.retracted);
+    approach.rationale = "Found by a search that started from no template. " + approach.rationale;
+    return opened_by(std::move(approach), opening_of(incision, request));
+}
+
+OpenedBy opening_of(const FoundIncision& incision, const SearchRequest& request)
+{
+    constexpr double kSmallMm = 100.0;
+    OpenedBy opened { .retractor = request.retractor, .opening_mm = incision.opening_mm };
+    if (!request.hooks.empty())
+        opened.hooks = request.hooks;
+    else if (opened.retractor.empty())
+        opened.retractor = incision.kind == FoundIncision::Kind::sternum ? "sternal"
+            : incision.length_mm < kSmallMm                              ? "midcab"
+                                                                         : "finochietto";
+    return opened;
+}
+
+std::string place_in_words(const FoundIncision& incision)
+{
+    const std::string length = in_words(std::round(incision.length_mm)) + " mm";
+    if (incision.kind == FoundIncision::Kind::sternum)
+        return "sternum, sawn through, " + length;
+    if (incision.kind == FoundIncision::Kind::skin)
+        return "straight line about " + in_words(incision.middle) + ", " + length;
+    constexpr double kBehindDeg = 75.0, kInFrontDeg = 115.0; // 90 is lateral
+    return space_name(incision.space->left, incision.space->number)
+        + (incision.angle_deg < kBehindDeg         ? ", towards the back, "
+                : incision.angle_deg > kInFrontDeg ? ", in front, "
+                                                   : ", at the side, ")
+        + length;
+}
+
+} // namespace retractor::planner

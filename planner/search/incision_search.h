@@ -1,0 +1,105 @@
+#pragma once
+// Searches for incisions by rays alone: thousands of incisions are tried as holes in the wall at rest
+// (sight/aperture.h) and scored as planned fields are, but for the forces, which no hole has. What the search proposes
+// is then planned. Units mm, degrees; frame patient LPS.
+//
+// - With landmarks, incisions lie over the spaces between two ribs, and, where the sternum may be sawn through, in its
+//   midline. The ribs count as held apart; all other bones stay.
+// - Anywhere, incisions are straight lines on the skin, and every bone stays.
+//
+// The search starts from no template. It takes a grid of places and lengths over every line, or points spread over the
+// skin, each shifted by the seed, and then steps from the best of them, halving the steps.
+
+#include "mesh/base/job.h"
+#include "planner/approach/approach_draft.h"
+#include "planner/case/approach.h"
+#include "planner/case/patient.h"
+#include "planner/measures/ranking.h"
+#include "planner/search/incision_lines.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace retractor::planner {
+
+struct SearchLimits {
+    double shortest_mm = 60.0, longest_mm = 180.0; ///< of incisions over spaces and on the skin
+    bool left = true, right = true; ///< sides whose spaces are tried
+    int highest_space = 1, lowest_space = 11;
+    bool saw = true; ///< the sternum may be sawn through
+    double from_risk_mm = 2.0; ///< the blade keeps this distance from structures at risk; about a voxel
+    double least_seen = 0.01; ///< of FoundIncision::seen; what shows less is no proposal
+};
+
+/// Openings that a plan can compute on most patients, mm. Surgeons may open wider.
+inline constexpr double kSternumOpeningMm = 40.0, kRibOpeningMm = 30.0;
+
+struct SearchRequest {
+    TargetSpec target;
+    SearchLimits limits {};
+    Weights weights = default_weights();
+    /// Between hooks or blades; 0: kSternumOpeningMm and kRibOpeningMm. A short incision opens less.
+    double opening_mm = 0.0;
+    std::string retractor {}, hooks {}; ///< as OpenedBy; both empty: the retractor that is usual there
+    SizingSpec sizing {};
+    ViewSpec view {};
+    std::vector<std::string> retracted {}; ///< organs held aside besides lungs, pericardium and fat of the mediastinum
+    bool anywhere = false; ///< straight lines on the skin instead of spaces and sternum
+    unsigned seed = 0;
+};
+
+/// An incision that was tried.
+struct FoundIncision {
+    enum class Kind { space, sternum, skin };
+    Kind kind = Kind::skin;
+    std::optional<SpaceNumber> space {};
+    double angle_deg = 0.0; ///< of the middle round the chest; over a space
+    double along_mm = 0.0; ///< of the middle, along the space's line
+    Vec3 middle = Vec3::Zero(); ///< on the skin
+    std::vector<Vec3> points {}; ///< on the skin
+    double length_mm = 0.0;
+    double opening_mm = 0.0; ///< width of the hole
+    /// What rays tell. Here the shares of the target are of the largest area that an eye at any of the incisions would
+    /// see with the wall removed, so that an incision on the side where organs hide the target gets what it shows.
+    Candidate candidate {};
+    double points_of_100 = 0.0; ///< score without the force
+};
+
+/// A place that was tried, for the map.
+struct TriedPlace {
+    Vec3 middle = Vec3::Zero();
+    double points_of_100 = 0.0;
+};
+
+enum class SearchStatus { done, cancelled };
+
+struct [[nodiscard]] IncisionSearch {
+    SearchStatus status = SearchStatus::done;
+    std::vector<FoundIncision> found {}; ///< highest score first: of every line, or region of the skin, the best
+    std::vector<TriedPlace> tried {};
+    double largest_bound_mm2 = 0.0; ///< area of the target that FoundIncision's shares are of
+    std::vector<std::string> missing {}; ///< lines that could not be tried, with the reason
+    double seconds = 0.0;
+};
+
+/// The weights without the force. @throws InputError where nothing else has a weight
+Weights weights_without_force(Weights weights);
+
+/// @throws InputError on limits out of order, a target that cannot be seen, and where there is no line to try
+IncisionSearch search_incisions(Patient& patient, const SearchRequest& request, const Job& job = {});
+
+/// The approach with this incision, as templates and drawn points make it. Its name is that of the place:
+/// "left_space_4_110mm".
+/// @throws InputError as approach_from_template(), approach_from_points() and opened_by() do
+Approach approach_of(Patient& patient, const FoundIncision& incision, const SearchRequest& request);
+
+/// What opens this incision. Usual are a sternal spreader for the sternum, a small retractor for an incision between
+/// ribs that is shorter than 100 mm, and a rib spreader for a longer one.
+OpenedBy opening_of(const FoundIncision& incision, const SearchRequest& request);
+
+/// "left intercostal space 4, at the side, 110 mm": the place in words.
+std::string place_in_words(const FoundIncision& incision);
+
+} // namespace retractor::planner

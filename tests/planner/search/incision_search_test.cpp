@@ -1,0 +1,195 @@
+#include "planner/search/incision_search.h"
+
+#include "mesh/base/error.h"
+#include "tests/support/block_case.h"
+#include "tests/support/label_shapes.h"
+#include "tests/support/synthetic_chest.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+namespace retractor::planner {
+namespace incision_search_test {
+
+    // ---- a plate with one window over a ball -----------------------------------------------------------------------
+
+    constexpr double kWindowLength = 50.0, kWindowWidth = 24.0;
+    constexpr double kTurn = 30.0 * std::numbers::pi / 180.0; ///< of the window's long axis, from x
+    const Vec3 kWindow(103.0, 83.0, 0.0); ///< its middle
+
+    /// Muscle over a plate of bone over a cavity; the plate has one window, which is a lens as an
+    /// opened incision is, and a ball that is wider lies behind it.
+    Patient& plate()
+    {
+        static Patient made([] {
+            datasets::Phantom phantom {};
+            phantom.labels = test_support::sampled_labels({ 120, 110, 46 }, Vec3::Constant(1.6),
+                { { 1, "muscle", "muscle", mesh::Role::wall }, { 2, "plate", "bone", mesh::Role::wall },
+                    { 3, "lung_left", "lung", mesh::Role::voxel } },
+                [](const Vec3& p) -> Label {
+                    if (p.z() > 60.0)
+                        return 0;
+                    if (p.z() < 35.0)
+                        return 3;
+                    const double x = p.x() - kWindow.x(), y = p.y() - kWindow.y();
+                    const double along = std::cos(kTurn) * x + std::sin(kTurn) * y,
+                                 across = std::cos(kTurn) * y - std::sin(kTurn) * x;
+                    const double t = 2.0 * along / kWindowLength;
+                    const bool window = std::abs(across) < 0.5 * kWindowWidth * (1.0 - t * t);
+                    return p.z() < 43.0 && !window ? Label { 2 } : Label { 1 };
+                });
+            return test_support::block_case("search_plate", phantom);
+        }());
+        return made;
+    }
+
+    TEST(IncisionSearch, FindsTheOneWindowOverABall)
+    {
+        SearchRequest request;
+        request.target = { .label = {}, .centre = Vec3(kWindow.x(), kWindow.y(), 2.0), .radius_mm = 30.0 };
+        request.limits.shortest_mm = request.limits.longest_mm = kWindowLength;
+        request.opening_mm = kWindowWidth;
+        request.anywhere = true;
+        for (const unsigned seed : { 1U, 2U, 3U }) {
+            request.seed = seed;
+            const IncisionSearch search = search_incisions(plate(), request);
+            ASSERT_FALSE(search.found.empty());
+            const FoundIncision& best = search.found.front();
+            EXPECT_LT((best.middle - kWindow).head<2>().norm(), 2.0) << "seed " << seed;
+            const Vec3 along = (best.points.back() - best.points.front()).normalized();
+            EXPECT_GT(std::abs(along.dot(Vec3(std::cos(kTurn), std::sin(kTurn), 0.0))), std::cos(0.2)) << seed;
+            EXPECT_GT(search.tried.size(), 500U);
+        }
+    }
+
+    // ---- a chest ---------------------------------------------------------------------------------------------------
+
+    const test_support::ChestShape kShape {};
+
+    Patient& chest()
+    {
+        static Patient made([] {
+            datasets::Phantom phantom {};
+            phantom.labels = test_support::synthetic_chest(kShape);
+            return test_support::block_case("search_chest", phantom);
+        }());
+        return made;
+    }
+
+    SearchRequest chest_request()
+    {
+        SearchRequest request;
+        request.target.label = "aneurysm";
+        request.limits.shortest_mm = 60.0;
+        request.limits.longest_mm = 120.0;
+        request.limits.saw = false;
+        return request;
+    }
+
+    TEST(IncisionSearch, KeepsItsLimits)
+    {
+        SearchRequest request = chest_request();
+        request.limits.right = false;
+        request.limits.highest_space = 3;
+        request.limits.lowest_space = 5;
+        request.limits.from_risk_mm = 4.0;
+        const IncisionSearch search = search_incisions(chest(), request);
+        EXPECT_EQ(search.status, SearchStatus::done);
+        ASSERT_FALSE(search.found.empty());
+        for (const FoundIncision& incision : search.found) {
+            ASSERT_TRUE(incision.space);
+            EXPECT_TRUE(incision.space->left);
+            EXPECT_GE(incision.space->number, 3);
+            EXPECT_LE(incision.space->number, 5);
+            EXPECT_GE(incision.length_mm, 60.0);
+            EXPECT_LE(incision.length_mm, 120.0);
+            EXPECT_LE(incision.opening_mm, 0.5 * incision.length_mm);
+            EXPECT_GE(incision.candidate.field.seen_best_eye, request.limits.least_seen);
+            for (const RiskDistance& risk : incision.candidate.field.at_risk)
+                EXPECT_GE(risk.distance_mm, 4.0);
+        }
+        for (std::size_t n = 1; n < search.found.size(); ++n)
+            EXPECT_GE(search.found[n - 1].points_of_100, search.found[n].points_of_100);
+    }
+
+    TEST(IncisionSearch, OtherSeedsEndAtTheSameScore)
+    {
+        SearchRequest request = chest_request();
+        request.limits.right = false;
+        double first = 0.0;
+        for (const unsigned seed : { 0U, 1U, 2U }) {
+            request.seed = seed;
+            const IncisionSearch search = search_incisions(chest(), request);
+            ASSERT_FALSE(search.found.empty());
+            first = seed == 0U ? search.found.front().points_of_100 : first;
+            EXPECT_NEAR(search.found.front().points_of_100, first, 2.0); // points of 100
+        }
+    }
+
+    TEST(IncisionSearch, MakesTheApproachThatItFound)
+    {
+        SearchRequest request = chest_request();
+        request.limits.saw = true;
+        const IncisionSearch search = search_incisions(chest(), request);
+        bool sternum = false;
+        int made = 0;
+        for (const FoundIncision& incision : search.found) {
+            sternum = sternum || incision.kind == FoundIncision::Kind::sternum;
+            Approach approach;
+            try {
+                approach = approach_of(chest(), incision, request);
+            } catch (const InputError&) { // the template's own checks: no room for the blade
+                continue;
+            }
+            ++made;
+            const double length = incision_length(approach);
+            EXPECT_LT((incision_place(approach, 0.5 * length).of(approach.incision) - incision.middle).norm(), 4.0)
+                << place_in_words(incision);
+            EXPECT_NEAR(length, incision.length_mm, 0.05 * incision.length_mm);
+            EXPECT_TRUE(approach.retractor);
+            EXPECT_TRUE(approach.rationale.starts_with("Found by a search"));
+        }
+        EXPECT_TRUE(sternum);
+        EXPECT_GE(made, 3);
+    }
+
+    TEST(IncisionSearch, RefusesWhatLeavesNothingToTry)
+    {
+        const auto refuses = [](const SearchRequest& request) {
+            EXPECT_THROW(static_cast<void>(search_incisions(chest(), request)), InputError);
+        };
+        SearchRequest request = chest_request();
+        request.limits.left = request.limits.right = false;
+        refuses(request);
+        request = chest_request();
+        request.limits.shortest_mm = 130.0;
+        refuses(request);
+        request = chest_request();
+        request.limits.lowest_space = 12;
+        refuses(request);
+        request = chest_request();
+        request.opening_mm = std::nan("");
+        refuses(request);
+        request = chest_request();
+        request.target.label = "no such label";
+        refuses(request);
+        request = chest_request();
+        request.weights.fill(0.0);
+        request.weights.back() = 1.0; // the force, which rays do not know
+        refuses(request);
+    }
+
+    TEST(IncisionSearch, StopsWhenAsked)
+    {
+        const std::atomic<bool> cancel { true };
+        Job job;
+        job.cancel = &cancel;
+        EXPECT_EQ(search_incisions(chest(), chest_request(), job).status, SearchStatus::cancelled);
+    }
+
+} // namespace incision_search_test
+} // namespace retractor::planner

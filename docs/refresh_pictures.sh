@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes the pictures of the documents anew: docs/refresh_pictures.sh [folder of the programs]
 # It plans the demo's patient, palpates an aorta, and photographs the window on a virtual screen (Debian package xvfb);
-# on two cores it takes about four minutes.
+# on two cores it takes about seven minutes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 programs=$(realpath "${1:-build/release/bin}")
@@ -14,6 +14,9 @@ cd "$work"
 cp demo/intercostal_4-surgeon.png "$pictures/intercostal.png"
 cp demo/median-surgeon.png "$pictures/demo-median.png"
 cp demo/intercostal_4-slices.png "$pictures/demo-slices.png"
+
+"$programs/retractor" search demo/patient/case.json --target aneurysm --out search
+cp search/search-map.png "$pictures/search-map.png"
 
 "$programs/retractor" phantom thorax --out thorax
 "$programs/retractor" import thorax/ct --labels thorax/labels.nrrd --out case/case.json

@@ -16,6 +16,8 @@ void add_plan_command(Commands& commands);
 void add_render_command(Commands& commands);
 /// Compares saved plans.
 void add_compare_command(Commands& commands);
+/// Searches for incisions.
+void add_search_command(Commands& commands);
 void add_demo_command(Commands& commands);
 /// Makes a scene for `palpate` from a patient's case.
 void add_palpable_command(Commands& commands);

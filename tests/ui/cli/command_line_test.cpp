@@ -66,9 +66,9 @@ protected:
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command :
-        { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan", "render", "compare", "demo",
-            "doctor", "palpable", "palpate", "relay", "train", "train expert", "train test", "train report", "evidence",
-            "evidence complications", "evidence rules", "evidence show-rule", "evidence generate" }) {
+        { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan", "render", "compare", "search",
+            "demo", "doctor", "palpable", "palpate", "relay", "train", "train expert", "train test", "train report",
+            "evidence", "evidence complications", "evidence rules", "evidence show-rule", "evidence generate" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -264,6 +264,34 @@ TEST_F(CommandLine, PlanWithoutRenderBuildsNoRenderer)
     EXPECT_GT(document.at("approaches").at(0).at("seen_best_eye").get<double>(), 0.0);
     std::ifstream file(fs::path(out("plan")) / "metrics.json");
     EXPECT_EQ(Json::parse(file).at("approaches").at(0).at("name"), "straight");
+}
+
+TEST_F(CommandLine, SearchProposesKeepsAndDrawsIncisions)
+{
+    const fs::path copy = folder / "searched";
+    fs::copy(folder / "c", copy, fs::copy_options::recursive);
+    const std::string file = (copy / "case.json").string();
+    const std::string search = "--json search " + file
+        + " --anywhere --retract cavity --length 40-60 --hooks 2 "
+          "--opening 20 --drafts 2 ";
+    const CommandRun found = run(search + "--keep --out " + out("search"));
+    ASSERT_EQ(found.exit_code, 0) << found.out;
+    const Json document = found.json();
+    EXPECT_GT(document.at("tried").get<int>(), 100);
+    EXPECT_GE(document.at("drafts").at("approaches").size(), 1u);
+    EXPECT_TRUE(fs::exists(fs::path(out("search")) / "search-map.png"));
+    std::ifstream written(fs::path(out("search")) / "search.json");
+    EXPECT_EQ(Json::parse(written).at("tried"), document.at("tried"));
+    std::ifstream kept(file);
+    const Json approaches = Json::parse(kept).at("approaches");
+    EXPECT_EQ(approaches.size(), 1u + document.at("kept").size());
+    EXPECT_EQ(approaches.back().at("retracted"), Json::parse("[\"cavity\"]"));
+    const CommandRun no_landmarks = run("--json search " + file);
+    EXPECT_EQ(no_landmarks.exit_code, 2);
+    EXPECT_NE(no_landmarks.error().find("anywhere on the skin"), std::string::npos) << no_landmarks.error();
+    for (const char* wrong : { "--retract nothing", "--length 60-40", "--length x", "--spaces 0-3", "--spaces 1.5",
+             "--target nobody", "--opening 1", "--retractor spoon" })
+        EXPECT_EQ(run(search + wrong).exit_code, 2) << wrong;
 }
 
 TEST_F(CommandLine, SavedPlansAreDrawnAndComparedWithoutPlanningAgain)

@@ -1,0 +1,141 @@
+#include "ui/plan_scene/search_map.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
+#include "mesh/base/triangle.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <tuple>
+#include <utility>
+
+namespace retractor::ui {
+
+namespace {
+
+    /// From low to high, dark to bright (after viridis, so that it reads without colours, too).
+    constexpr std::array<Color, 5> kScale { {
+        { 0.27, 0.00, 0.33 },
+        { 0.23, 0.32, 0.55 },
+        { 0.13, 0.57, 0.55 },
+        { 0.37, 0.79, 0.38 },
+        { 0.99, 0.91, 0.14 },
+    } };
+    constexpr Color kNotTried { 0.62, 0.58, 0.55 };
+    constexpr Label kNoScore = kScale.size();
+    constexpr double kReachMm = 12.0; ///< a place colours the skin round it
+
+    struct Range {
+        double low = 0.0, high = 100.0;
+        std::size_t bin(double points) const
+        {
+            const double share = std::clamp((points - low) / (high - low), 0.0, 0.999);
+            return static_cast<std::size_t>(share * kScale.size());
+        }
+    };
+
+    /// The scores that were reached, rounded outwards to five points.
+    Range range_of(const std::vector<planner::TriedPlace>& tried)
+    {
+        constexpr double kStep = 5.0;
+        const auto [low, high] = std::ranges::minmax_element(tried, {}, &planner::TriedPlace::points_of_100);
+        Range range { .low = kStep * std::floor(low->points_of_100 / kStep),
+            .high = kStep * std::ceil(high->points_of_100 / kStep) };
+        range.high = std::max(range.high, range.low + kStep);
+        return range;
+    }
+
+    /// The best score near every triangle, as labels.
+    std::shared_ptr<const TriMesh> scored_skin(
+        const TriMesh& body, const std::vector<planner::TriedPlace>& tried, const Range& range)
+    {
+        using Cell = std::tuple<int, int, int>;
+        const auto cell_of = [](const Vec3& at) {
+            return Cell { static_cast<int>(std::floor(at.x() / kReachMm)),
+                static_cast<int>(std::floor(at.y() / kReachMm)), static_cast<int>(std::floor(at.z() / kReachMm)) };
+        };
+        std::map<Cell, std::vector<const planner::TriedPlace*>> cells;
+        for (const planner::TriedPlace& place : tried)
+            cells[cell_of(place.middle)].push_back(&place);
+        auto skin = std::make_shared<TriMesh>(body);
+        skin->labels.assign(skin->triangles.size(), kNoScore);
+        for (std::size_t t = 0; t < skin->triangles.size(); ++t) {
+            const auto corners = triangle_corners(skin->vertices, skin->triangles[t]);
+            const Vec3 at = (corners[0] + corners[1] + corners[2]) / 3.0;
+            const auto [i, j, k] = cell_of(at);
+            double best = -1.0;
+            for (int n = 0; n < 27; ++n)
+                if (const auto found = cells.find({ i + n % 3 - 1, j + n / 3 % 3 - 1, k + n / 9 - 1 });
+                    found != cells.end())
+                    for (const planner::TriedPlace* place : found->second)
+                        if ((place->middle - at).norm() < kReachMm)
+                            best = std::max(best, place->points_of_100);
+            if (best >= 0.0)
+                skin->labels[t] = static_cast<Label>(range.bin(best));
+        }
+        return skin;
+    }
+
+    std::vector<LegendLine> legend_of(const Range& range, const std::vector<MappedIncision>& incisions)
+    {
+        std::vector<LegendLine> lines { { "score of an incision whose middle is there", "" } };
+        const double step = (range.high - range.low) / static_cast<double>(kScale.size());
+        for (std::size_t n = kScale.size(); n-- > 0;) {
+            const double from = range.low + step * static_cast<double>(n);
+            lines.push_back({ in_words(from) + " to " + in_words(from + step), " ", kScale.at(n) });
+        }
+        lines.push_back({ "not tried", " ", kNotTried });
+        for (const MappedIncision& incision : incisions)
+            lines.push_back({ incision.sign, incision.words });
+        return lines;
+    }
+
+} // namespace
+
+Picture search_map(planner::Patient& patient, const planner::IncisionSearch& search,
+    const std::vector<MappedIncision>& incisions, int width, int height)
+{
+    if (search.tried.empty())
+        throw InputError("no incision was tried: there is nothing to draw");
+    const Range range = range_of(search.tried);
+    SurfaceItem skin { .name = "skin", .mesh = scored_skin(*patient.body(), search.tried, range) };
+    for (std::size_t n = 0; n < kScale.size(); ++n)
+        skin.look_of_label[static_cast<Label>(n)] = Look { .color = kScale.at(n) };
+    skin.look_of_label[kNoScore] = Look { .color = kNotTried };
+
+    const planner::AnatomicalFrame frame = patient.frame();
+    Picture picture { .width = width, .height = height, .viewports = {} };
+    constexpr double kTurn = 0.9; // tangent of the angle from straight ahead
+    for (const double side : { -1.0, 1.0 }) { // the patient's right stands on the picture's left
+        Scene scene;
+        scene.title = side > 0.0 ? "from the patient's left" : "from the patient's right";
+        scene.surfaces = { skin };
+        for (const MappedIncision& incision : incisions) {
+            const Vec3& middle = incision.points[incision.points.size() / 2];
+            constexpr double kRoundMm = 20.0; // the front is seen from both sides
+            const bool in_sight = side * (middle - frame.origin).dot(frame.left) > -kRoundMm;
+            scene.lines.push_back({ .name = incision.words,
+                .points = incision.points,
+                .color = { 0.85, 0.10, 0.10 },
+                .width_px = 5.0,
+                .on_top = in_sight });
+            if (in_sight)
+                scene.words.push_back({ .text = incision.sign, .position = middle, .color = { 1.0, 1.0, 1.0 } });
+        }
+        if (side > 0.0)
+            scene.legend = legend_of(range, incisions);
+        const std::optional<Box> bounds = scene_bounds(scene);
+        if (!bounds)
+            throw InputError("the patient has no skin to draw");
+        scene.camera = camera_for_box(
+            *bounds, -(frame.anterior + side * kTurn * frame.left + 0.1 * frame.superior), frame.superior);
+        const double left = side > 0.0 ? 0.5 : 0.0;
+        picture.viewports.push_back({ .left = left, .right = left + 0.5, .scene = std::move(scene) });
+    }
+    return picture;
+}
+
+} // namespace retractor::ui

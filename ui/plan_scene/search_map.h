@@ -1,0 +1,25 @@
+#pragma once
+// A map of a search for incisions: the skin in the colours of the scores that incisions with their middle there reach,
+// and the best incisions drawn on it. Units mm; frame patient LPS.
+
+#include "planner/case/patient.h"
+#include "planner/search/incision_search.h"
+#include "ui/scene/scene.h"
+
+#include <string>
+#include <vector>
+
+namespace retractor::ui {
+
+/// An incision on the map.
+struct MappedIncision {
+    std::string sign; ///< "1"
+    std::string words; ///< for the legend
+    std::vector<Vec3> points;
+};
+
+/// The patient from the front, turned to the left and to the right.
+Picture search_map(planner::Patient& patient, const planner::IncisionSearch& search,
+    const std::vector<MappedIncision>& incisions, int width, int height);
+
+} // namespace retractor::ui

@@ -75,13 +75,8 @@ namespace {
     SurfaceItem wall_item(planner::Patient& patient, const planner::PlannedField& field)
     {
         SurfaceItem item;
-        item.name = "chest wall";
-        const TriMesh at_rest = mesh::deformed_boundary(field.wall, {});
-        const mesh::MeshSizing sizing = planner::mesh_sizing_of(field.approach, patient.planned_case().label_table);
-        TriMesh boundary = mesh::deformed_boundary(field.wall, field.opening.displacement);
-        boundary.labels = planner::drawn_labels(at_rest, *patient.labels(), sizing);
-        item.mesh = std::make_shared<const TriMesh>(planner::without_rim(std::move(boundary), at_rest, sizing,
-            planner::drawn_rim_width_mm(sizing.region_mm, field.approach.depth_mm)));
+        item.name = kWallName;
+        item.mesh = std::make_shared<const TriMesh>(drawn_wall(patient, field, field.opening.displacement));
         item.look_of_label = tissue_looks(patient.planned_case().label_table);
         return item;
     }
@@ -92,13 +87,13 @@ namespace {
         const mesh::LabelTable& table = patient.planned_case().label_table;
         if (!field.remaining_wall.triangles.empty()) {
             SurfaceItem rest;
-            rest.name = "chest wall beyond the model";
+            rest.name = kBeyondName;
             rest.mesh = std::make_shared<const TriMesh>(field.remaining_wall);
             rest.look_of_label = tissue_looks(table);
             scene.surfaces.push_back(std::move(rest));
         }
         if (const auto end = patient.image_end(); !end->triangles.empty())
-            scene.surfaces.push_back({ .name = "end of the image",
+            scene.surfaces.push_back({ .name = std::string(kImageEndName),
                 .mesh = end,
                 .look = { kImageEnd, Finish::matte, 0.0 },
                 .smooth = false });
@@ -280,6 +275,24 @@ namespace {
     }
 
 } // namespace
+
+TriMesh drawn_wall(planner::Patient& patient, const planner::PlannedField& field, const Points& displacement)
+{
+    const TriMesh at_rest = mesh::deformed_boundary(field.wall, {});
+    const mesh::MeshSizing sizing = planner::mesh_sizing_of(field.approach, patient.planned_case().label_table);
+    TriMesh boundary = mesh::deformed_boundary(field.wall, displacement);
+    boundary.labels = planner::drawn_labels(at_rest, *patient.labels(), sizing);
+    return planner::without_rim(
+        std::move(boundary), at_rest, sizing, planner::drawn_rim_width_mm(sizing.region_mm, field.approach.depth_mm));
+}
+
+TriMesh remaining_wall_at_rest(planner::Patient& patient, const planner::PlannedField& field)
+{
+    const mesh::MeshSizing sizing = planner::mesh_sizing_of(field.approach, patient.planned_case().label_table);
+    return planner::unmeshed_wall_region(*patient.body(), *patient.labels(), sizing, field.wall,
+        Points::Zero(field.wall.vertices.rows(), 3),
+        planner::drawn_rim_width_mm(sizing.region_mm, field.approach.depth_mm));
+}
 
 std::map<Label, std::string> label_names(const planner::Case& planned_case)
 {

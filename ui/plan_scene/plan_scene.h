@@ -16,6 +16,17 @@ namespace retractor::ui {
 /// The name of each label, with "(estimated)" behind those that the image does not show.
 std::map<Label, std::string> label_names(const planner::Case& planned_case);
 
+/// Names of surfaces in the scenes of a field.
+inline constexpr std::string_view kWallName = "chest wall", kBeyondName = "chest wall beyond the model",
+                                  kImageEndName = "end of the image";
+
+/// The boundary of the field's wall under a displacement of its vertices, as pictures draw it: labels of the body's
+/// layers, and no rim. Every displacement gives the same triangles.
+TriMesh drawn_wall(planner::Patient& patient, const planner::PlannedField& field, const Points& displacement);
+
+/// The wall beyond the model at rest. PlannedField::remaining_wall has the same triangles, moved by the opening.
+TriMesh remaining_wall_at_rest(planner::Patient& patient, const planner::PlannedField& field);
+
 /// The view through the opening from the best place of the eye, for which the share seen is measured.
 Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& field);
 

@@ -1,6 +1,7 @@
 #include "planner/measures/report/report.h"
 
 #include "mesh/base/atomic_file.h"
+#include "mesh/base/base64.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/measures/accuracy.h"
@@ -46,27 +47,15 @@ thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .b
 .words td, .materials td:last-child { text-align: left; } .words td:first-child { width: 16em; } .materials { margin-top: 10px; font-size: 14px; }
 figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } figure img { width: 100%; display: block; }
 figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
+.field-view { background: #191e23; color: #dfe5ea; margin: 14px 0; padding: 8px; } .field-view-canvas { height: 520px; position: relative; }
+.field-view-controls { display: flex; flex-wrap: wrap; gap: 6px 14px; align-items: center; padding-bottom: 8px; font-size: 14px; }
+.field-view-hint { padding-top: 6px; color: #9aa5af; font-size: 13px; }
+@media print { .field-view { display: none; } }
 .row { display: grid; grid-template-columns: 1fr 1fr; gap: 14px; } .wide { grid-column: 1 / -1; }
 .bars { display: grid; grid-template-columns: 1fr 1fr; gap: 14px; margin: 14px 0; } .bars svg { background: #fff; border: 1px solid #d3dce4; width: 100%; }
 )css";
 
     std::string percent(double fraction) { return in_words(100.0 * fraction, 1) + " %"; }
-
-    std::string base64(std::string_view bytes)
-    {
-        constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-        std::string out;
-        out.reserve((bytes.size() + 2) / 3 * 4);
-        for (std::size_t i = 0; i < bytes.size(); i += 3) {
-            const auto byte = [&](std::size_t k) {
-                return i + k < bytes.size() ? static_cast<unsigned>(static_cast<unsigned char>(bytes[i + k])) : 0U;
-            };
-            const unsigned group = byte(0) << 16U | byte(1) << 8U | byte(2);
-            for (unsigned k = 0; k < 4; ++k)
-                out += i + k > bytes.size() ? '=' : kAlphabet[group >> (18U - 6U * k) & 63U];
-        }
-        return out;
-    }
 
     std::string file_content(const std::filesystem::path& path)
     {
@@ -355,6 +344,17 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "</div>";
     }
 
+    /// The place of a field's interactive view, and its scene. On paper only the pictures stay.
+    void write_view(std::ostream& out, const Report& report, const std::string& approach)
+    {
+        for (std::size_t n = 0; n < report.views.size(); ++n)
+            if (report.views[n].approach == approach)
+                out << "<div class=\"field-view\" data-scene=\"scene-" << n
+                    << "\">The interactive view needs JavaScript. The pictures below show the same field.</div>"
+                    << "<script type=\"application/json\" id=\"scene-" << n << "\">" << report.views[n].scene
+                    << "</script>";
+    }
+
     /// The interval from tissue values, and the table of the parameters that decide.
     void write_parameters(std::ostream& out, const FieldMetrics& field)
     {
@@ -404,6 +404,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         if (const std::string piercing = piercing_text(field); !piercing.empty())
             out << "<p class=\"notice bad\">" << escaped(field.name) << " " << escaped(piercing) << ".</p>";
         out << "<p>" << escaped(field.explanation) << "</p>";
+        write_view(out, report, field.name);
         write_pictures(out, report, field.name);
         out << "<p>Hooks: ";
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
@@ -502,7 +503,10 @@ void write_report(const std::filesystem::path& path, const Report& report)
     out << "<h2>What these numbers do not say</h2><ul>";
     for (const std::string& limit : report.limits)
         out << "<li>" << escaped(limit) << "</li>";
-    out << "</ul></main></body></html>\n";
+    out << "</ul></main>";
+    if (!report.views.empty())
+        out << "<script>" << report.viewer << "</script>";
+    out << "</body></html>\n";
     write_file_atomically(path, out.str());
 }
 

@@ -18,6 +18,12 @@ struct ReportPicture {
     std::filesystem::path file;
 };
 
+/// The interactive view of a field.
+struct ReportView {
+    std::string approach; ///< name of the approach
+    std::string scene; ///< JSON that the report's viewer reads; it holds no "<"
+};
+
 struct Report {
     std::string title;
     std::string patient; ///< the data in words; never a name or an id of a person
@@ -26,6 +32,8 @@ struct Report {
     std::vector<std::vector<std::string>> divided_bones; ///< of each field (planner::divided_bones()); empty: not known
     std::vector<std::string> refused; ///< approaches without numbers, and the reasons
     std::vector<ReportPicture> pictures;
+    std::vector<ReportView> views {};
+    std::string viewer {}; ///< script that shows the views; empty: the page has none
     std::vector<std::string> limits; ///< limits of these numbers, in words
 };
 

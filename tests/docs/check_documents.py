@@ -32,7 +32,7 @@ def documents(root):
     """All Markdown files, sorted; hidden folders and build folders are left alone."""
     found = []
     for folder, inside, files in os.walk(root):
-        inside[:] = [d for d in inside if not d.startswith(".")
+        inside[:] = [d for d in inside if not d.startswith(".") and d != "node_modules"
                      and not (pathlib.Path(folder) == root and d in FOLDERS_WITHOUT_DOCUMENTS)]
         found += [pathlib.Path(folder, name) for name in files if name.endswith(".md")]
     return sorted(found)

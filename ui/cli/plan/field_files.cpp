@@ -19,6 +19,7 @@
 #include "planner/measures/volume_failures.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
+#include "ui/report_view/field_view.h"
 #include "ui/scene/vtk/identifier_picture.h"
 #include "ui/scene/vtk/render.h"
 
@@ -348,6 +349,33 @@ Json write_metrics(const std::filesystem::path& folder, const planner::Provenanc
     return document;
 }
 
+namespace {
+
+    /// Adds interactive views while the page stays small enough to be sent by mail.
+    void add_views(planner::Report& report, planner::Patient& patient, const std::vector<planner::PlannedField>& fields)
+    {
+        constexpr std::size_t kMostBytes = 14'000'000; // of all views; the pictures of as many fields take as much
+        std::size_t bytes = 0;
+        std::vector<std::string> without;
+        for (const planner::PlannedField& field : fields) {
+            if (!is_measured(field))
+                continue;
+            std::string scene = bytes < kMostBytes ? field_view(patient, field) : std::string();
+            bytes += scene.size();
+            if (scene.empty() || bytes > kMostBytes)
+                without.push_back(field.metrics.name);
+            else
+                report.views.push_back({ .approach = field.metrics.name, .scene = std::move(scene) });
+        }
+        report.viewer = field_viewer();
+        if (!without.empty())
+            report.limits.push_back("The page would become too large with interactive views of all fields. These have "
+                                    "pictures only: "
+                + joined(without) + ".");
+    }
+
+} // namespace
+
 void write_field_report(const std::filesystem::path& folder, planner::Patient& patient,
     const planner::Provenance& computed, const std::vector<planner::PlannedField>& fields,
     const std::vector<planner::ReportPicture>& pictures)
@@ -371,6 +399,7 @@ void write_field_report(const std::filesystem::path& folder, planner::Patient& p
                 + " could not be planned: " + std::string(status_word(field.status)) + ". " + field.message);
     report.limits = report_limits(
         !patient.planned_case().supports.labels.empty(), patient.planned_case(), stiffness_limit(fields));
+    add_views(report, patient, fields);
     planner::write_report(folder / "report.html", report);
 }
 

@@ -17,6 +17,7 @@
 #include "planner/measures/rupture.h"
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
+#include "ui/cli/plan/metrics_csv.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/report_view/field_view.h"
@@ -346,6 +347,10 @@ Json write_metrics(const std::filesystem::path& folder, const planner::Provenanc
     if (!refused.empty())
         document["refused"] = refused;
     write_file_atomically(folder / "metrics.json", document.dump(2) + "\n");
+    std::string table = metrics_csv_header() + "\n";
+    for (const Json& approach : document["approaches"])
+        table += metrics_csv_row(approach) + "\n";
+    write_file_atomically(folder / "metrics.csv", table);
     return document;
 }
 

@@ -48,7 +48,7 @@ planner::Provenance provenance_now(const planner::Case& planned_case);
 std::vector<std::string> keep_earlier_metrics(const std::filesystem::path& folder, const std::filesystem::path& staged,
     const std::vector<planner::PlannedField>& fields);
 
-/// Writes metrics.json and returns the document.
+/// Writes metrics.json, and its numbers as metrics.csv. @return the document
 Json write_metrics(const std::filesystem::path& folder, const planner::Provenance& computed,
     const std::vector<planner::PlannedField>& fields);
 

@@ -10,6 +10,8 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -24,6 +26,7 @@ namespace {
     {
         if (*folder != '\0' && ::chdir(folder) != 0)
             ::_exit(127);
+        ::prctl(PR_SET_PDEATHSIG, SIGKILL); // nobody would read its answer
         ::setpgid(0, 0); // a process group of its own, so that its children can be killed too
         const int nothing = ::open("/dev/null", O_RDWR);
         ::dup2(nothing, STDIN_FILENO);
@@ -58,10 +61,10 @@ namespace {
     }
 
     /// Waits for the end of the child and takes its status. @returns false when `end` comes first
-    bool wait_until(pid_t child, Clock::time_point end, int& status)
+    bool wait_until(pid_t child, Clock::time_point end, int& status, rusage& use)
     {
         constexpr useconds_t kPause_us = 2000; // the child has closed its output and is about to end
-        while (::waitpid(child, &status, WNOHANG) == 0) {
+        while (::wait4(child, &status, WNOHANG, &use) == 0) {
             if (Clock::now() >= end)
                 return false;
             ::usleep(kPause_us);
@@ -90,11 +93,13 @@ ProgramRun run_program(const std::vector<std::string>& words, std::chrono::milli
     if (child > 0) {
         ::setpgid(child, child); // parent and child both do this; the first call counts
         int status = 0;
-        if (!read_until(ends[0], end, stop, run) || !wait_until(child, end, status)) {
+        rusage use {};
+        if (!read_until(ends[0], end, stop, run) || !wait_until(child, end, status, use)) {
             run.timed_out = !run.stopped;
             ::kill(-child, SIGKILL);
-            ::waitpid(child, &status, 0);
+            ::wait4(child, &status, 0, &use);
         }
+        run.peak_bytes = 1024.0 * static_cast<double>(use.ru_maxrss); // Linux counts kilobytes
         run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     }
     ::close(ends[0]);

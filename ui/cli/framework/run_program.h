@@ -12,11 +12,13 @@ namespace retractor::ui::cli {
 struct ProgramRun {
     int exit_code = -1; ///< -1: the program crashed, was killed or could not be started
     bool timed_out = false; ///< the program was killed at the time limit
+    double peak_bytes = 0.0; ///< largest memory of the program itself
     bool stopped = false; ///< the program was killed because `stop` returned true
     std::string out; ///< standard output of the program; standard error is discarded
 };
 
-/// Runs `words` (the program's path, then its arguments). The program and its children are killed after `limit`.
+/// Runs `words` (the program's path, then its arguments). The program and its children are killed after `limit`,
+/// and the program when the calling thread ends.
 /// @param folder working folder; empty: the current one
 /// @param stop called several times a second; the program is killed when it returns true
 ProgramRun run_program(const std::vector<std::string>& words, std::chrono::milliseconds limit,

@@ -1,0 +1,280 @@
+#include "ui/cli/commands.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
+#include "planner/case/case_io.h"
+#include "ui/cli/batch/batch_summary.h"
+#include "ui/cli/batch/job_status.h"
+#include "ui/cli/batch/sweep.h"
+#include "ui/cli/framework/number_range.h"
+#include "ui/cli/framework/out_folder.h"
+#include "ui/cli/framework/run_program.h"
+
+#include <CLI/CLI.hpp>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace retractor::ui::cli {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    struct BatchOptions {
+        std::string sweep, out;
+        int processes = 0; ///< 0: one per core
+        double limit_s = 6.0 * 3600.0; ///< of one job
+        bool retry = false;
+    };
+
+    /// Holds a folder for one batch at a time, until this process ends.
+    class FolderLock {
+    public:
+        explicit FolderLock(const fs::path& folder)
+            : file_(::open((folder / ".batch.lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644))
+        {
+            if (file_ < 0)
+                throw IoError("cannot write into the folder", folder.string());
+            if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+                ::close(file_);
+                throw InputError("another batch is at work in this folder", folder.string());
+            }
+        }
+        FolderLock(const FolderLock&) = delete;
+        FolderLock& operator=(const FolderLock&) = delete;
+        ~FolderLock() { ::close(file_); }
+
+    private:
+        int file_;
+    };
+
+    /// What the result of a job depends on.
+    std::string inputs_of(const BatchJob& job, const std::string& case_sum)
+    {
+        std::string text = "retractor " RETRACTOR_VERSION " " + case_sum + " " + job.approach;
+        for (const std::string& option : job.options)
+            text += " " + option;
+        return text;
+    }
+
+    double size_of(const fs::path& folder)
+    {
+        double bytes = 0.0;
+        for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+            if (entry.is_regular_file())
+                bytes += static_cast<double>(entry.file_size());
+        return bytes;
+    }
+
+    /// Why a job has no answer, from what the program printed.
+    std::string reason_of(const ProgramRun& run, double limit_s)
+    {
+        if (run.timed_out)
+            return "took longer than " + in_words(limit_s) + " s";
+        const Json json = Json::parse(run.out, nullptr, false);
+        if (!json.is_object())
+            return "the program ended without an answer: it crashed, was killed or had no memory";
+        if (json.contains("error"))
+            return json["error"].get<std::string>() + " (" + json.value("where", std::string()) + ")";
+        if (json.contains("refused") && !json["refused"].empty())
+            return json["refused"][0].value("message", std::string());
+        if (json.contains("approaches") && !json["approaches"].empty() && json["approaches"][0].contains("verdict"))
+            return json["approaches"][0]["verdict"]["sentences"][0].get<std::string>();
+        return "exit code " + std::to_string(run.exit_code);
+    }
+
+    /// Runs one job in a folder of its own, which is emptied first. @returns its status; running: it was cancelled
+    JobStatus run_job(
+        const BatchJob& job, const std::string& inputs, const fs::path& folder, double limit_s, const Job& batch)
+    {
+        fs::remove_all(folder);
+        make_folder(folder);
+        JobStatus status { .inputs = inputs };
+        write_job_status(folder, status);
+        // Each process has one thread, so that as many run at once as there are cores.
+        std::vector<std::string> words { fs::read_symlink("/proc/self/exe").string(), "--json", "--threads", "1",
+            "plan", job.case_file.string(), "--approach", job.approach, "--out", folder.string() };
+        words.insert(words.end(), job.options.begin(), job.options.end());
+        const Stopwatch watch;
+        const ProgramRun run = run_program(words, std::chrono::milliseconds(std::llround(1000.0 * limit_s)), {},
+            [&batch] { return batch.cancelled(); });
+        if (run.stopped)
+            return status;
+        status.seconds = watch.seconds();
+        status.peak_bytes = run.peak_bytes;
+        status.state = run.exit_code == 0 ? JobStatus::State::done : JobStatus::State::failed;
+        if (status.state == JobStatus::State::failed)
+            status.reason = reason_of(run, limit_s);
+        status.disk_bytes = size_of(folder);
+        write_job_status(folder, status);
+        return status;
+    }
+
+    /// The rows of a sweep, with the statuses of an earlier run that still hold.
+    std::vector<BatchRow> rows_of(
+        const std::vector<BatchJob>& jobs, const std::vector<std::string>& inputs, const fs::path& folder, bool retry)
+    {
+        std::vector<BatchRow> rows;
+        for (std::size_t n = 0; n < jobs.size(); ++n) {
+            BatchRow row { .job = jobs[n], .status = read_job_status(folder / jobs[n].name) };
+            const bool holds = row.status && row.status->inputs == inputs[n]
+                && row.status->state != JobStatus::State::running
+                && !(retry && row.status->state == JobStatus::State::failed);
+            if (!holds)
+                row.status.reset();
+            rows.push_back(std::move(row));
+        }
+        return rows;
+    }
+
+    /// Runs what has no status yet, several at a time. The summary is written after every job.
+    void run_rows(std::vector<BatchRow>& rows, const std::vector<std::string>& inputs, const fs::path& folder,
+        const fs::path& jobs_folder, const BatchOptions& options, const Job& job)
+    {
+        std::vector<std::size_t> open;
+        for (std::size_t n = 0; n < rows.size(); ++n)
+            if (!rows[n].status)
+                open.push_back(n);
+        std::atomic<std::size_t> next { 0 };
+        std::mutex mutex; // of the rows and the summary
+        std::size_t ended = 0;
+        std::exception_ptr failure;
+        const auto work = [&] {
+            for (std::size_t i = next.fetch_add(1); i < open.size() && !job.cancelled(); i = next.fetch_add(1)) {
+                try {
+                    const BatchJob one = rows[open[i]].job;
+                    const JobStatus status
+                        = run_job(one, inputs[open[i]], jobs_folder / one.name, options.limit_s, job);
+                    if (status.state == JobStatus::State::running)
+                        return; // cancelled
+                    const std::scoped_lock lock(mutex);
+                    rows[open[i]].status = status;
+                    write_batch_summary(folder, jobs_folder, rows);
+                    job.report("jobs", static_cast<double>(++ended) / static_cast<double>(open.size()));
+                } catch (...) { // a full disk concerns all jobs
+                    const std::scoped_lock lock(mutex);
+                    failure = std::current_exception();
+                    next.store(open.size());
+                }
+            }
+        };
+        job.report("jobs", 0.0);
+        const auto cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+        const auto processes = std::min<std::size_t>(
+            static_cast<std::size_t>(options.processes > 0 ? options.processes : cores), open.size());
+        {
+            std::vector<std::jthread> threads;
+            for (std::size_t p = 1; p < processes; ++p)
+                threads.emplace_back(work);
+            work();
+        }
+        if (failure)
+            std::rethrow_exception(failure);
+    }
+
+    Outcome outcome_of(const std::vector<BatchRow>& rows, std::size_t skipped, const fs::path& folder, double seconds)
+    {
+        Outcome outcome { .document = { { "jobs", Json::array() } }, .text = {} };
+        std::map<std::string, std::size_t> counts { { "done", 0 }, { "failed", 0 }, { "not begun", 0 } };
+        double job_seconds = 0.0;
+        std::string failed;
+        for (const BatchRow& row : rows) {
+            const std::string state = row.status ? to_string(row.status->state) : "not begun";
+            ++counts[state];
+            Json json { { "name", row.job.name }, { "state", state } };
+            if (row.status) {
+                job_seconds += row.status->seconds;
+                json["seconds"] = row.status->seconds;
+                if (row.status->state == JobStatus::State::failed) {
+                    json["reason"] = row.status->reason;
+                    failed += "failed: " + row.job.name + ": " + row.status->reason + "\n";
+                }
+            }
+            outcome.document["jobs"].push_back(std::move(json));
+        }
+        const std::size_t ended = rows.size() - counts["not begun"];
+        outcome.document["counts"] = counts;
+        outcome.document["skipped"] = skipped;
+        outcome.document["seconds"] = seconds;
+        outcome.text = formatted("%zu jobs: %zu done, %zu failed, %zu not begun; %zu were done or failed before\n",
+                           rows.size(), counts["done"], counts["failed"], counts["not begun"], skipped)
+            + failed
+            + (ended > 0 ? formatted(
+                   "%.0f s, %.1f s of one process per job\n", seconds, job_seconds / static_cast<double>(ended))
+                         : std::string())
+            + "wrote " + (folder / "summary.html").string() + " and summary.csv\n";
+        outcome.exit_code = counts["done"] == rows.size() ? 0 : 1;
+        return outcome;
+    }
+
+    Outcome batch(const BatchOptions& options, const Job& job)
+    {
+        const std::vector<BatchJob> jobs = read_sweep(options.sweep);
+        const fs::path folder = fs::absolute(options.out);
+        const fs::path jobs_folder = folder / "jobs";
+        make_folder(folder);
+        const FolderLock lock(folder);
+        make_folder(jobs_folder);
+        std::map<fs::path, std::string> sums;
+        std::vector<std::string> inputs;
+        for (const BatchJob& one : jobs) {
+            std::string& sum = sums[one.case_file];
+            if (sum.empty())
+                sum = planner::checksum(one.case_file);
+            inputs.push_back(inputs_of(one, sum));
+        }
+        ::setenv("OPENBLAS_NUM_THREADS", "1", 1);
+        std::vector<BatchRow> rows = rows_of(jobs, inputs, jobs_folder, options.retry);
+        const auto skipped = static_cast<std::size_t>(
+            std::ranges::count_if(rows, [](const BatchRow& row) { return row.status.has_value(); }));
+        const Stopwatch watch;
+        run_rows(rows, inputs, folder, jobs_folder, options, job);
+        write_batch_summary(folder, jobs_folder, rows);
+        return outcome_of(rows, skipped, folder, watch.seconds());
+    }
+
+} // namespace
+
+void add_batch_command(Commands& commands)
+{
+    auto options = std::make_shared<BatchOptions>();
+    CLI::App* command = commands.app.add_subcommand(
+        "batch", "Plan many cases, approaches and variants, several at a time; go on where an earlier run ended");
+    command->footer(
+        "A sweep is a JSON file: {\"cases\": [\"a/case.json\", \"b/case.json\"], \"approaches\": [\"median\"], "
+        "\"variants\": {\"draft\": [\"--draft\"]}, \"render\": true}\n"
+        "cases are found from the sweep's folder; approaches: all of a case unless given; variants: options of "
+        "retractor plan; render: pictures and a report of each job unless false\n"
+        "Example: retractor batch SWEEP.json --out B    (the same again goes on after a break)");
+    command->add_option("sweep", options->sweep, "The sweep's JSON file")->required()->check(CLI::ExistingFile);
+    command
+        ->add_option("--out", options->out,
+            "Folder for summary.html, summary.csv and one folder per job; jobs that it holds already are not done "
+            "again")
+        ->required();
+    command->add_option("--jobs", options->processes, "Number of jobs at a time (default: one per core)")
+        ->check(CLI::Range(1, 256));
+    command->add_option("--limit", options->limit_s, "Time limit of one job, s")
+        ->check(in_range(1.0, 1e6))
+        ->capture_default_str();
+    command->add_flag("--retry", options->retry, "Also do failed jobs again");
+    commands.on(command, [options](const Job& job) { return batch(*options, job); });
+}
+
+} // namespace retractor::ui::cli

@@ -16,6 +16,7 @@
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
+#include <vtkSTLWriter.h>
 #include <vtkStringArray.h>
 #include <vtkUnsignedShortArray.h>
 #include <vtkUnstructuredGrid.h>
@@ -245,19 +246,42 @@ TetMesh read_vtu(const std::filesystem::path& path, MeshFields* fields)
     return mesh;
 }
 
+namespace {
+
+    vtkNew<vtkPolyData> vtk_surface(const TriMesh& mesh)
+    {
+        check_triangles(mesh);
+        vtkNew<vtkPolyData> surface;
+        surface->SetPoints(vtk_points(mesh.vertices));
+        vtkNew<vtkCellArray> cells;
+        for (const auto& triangle : mesh.triangles) {
+            const std::array<vtkIdType, 3> nodes { triangle[0], triangle[1], triangle[2] };
+            cells->InsertNextCell(3, nodes.data());
+        }
+        surface->SetPolys(cells);
+        return surface;
+    }
+
+} // namespace
+
 void write_vtp(const std::filesystem::path& path, const TriMesh& mesh, const MeshFields& fields)
 {
-    check_triangles(mesh);
-    vtkNew<vtkPolyData> surface;
-    surface->SetPoints(vtk_points(mesh.vertices));
-    vtkNew<vtkCellArray> cells;
-    for (const auto& triangle : mesh.triangles) {
-        const std::array<vtkIdType, 3> nodes { triangle[0], triangle[1], triangle[2] };
-        cells->InsertNextCell(3, nodes.data());
-    }
-    surface->SetPolys(cells);
+    const vtkNew<vtkPolyData> surface = vtk_surface(mesh);
     add_fields(surface, fields, mesh.labels);
     write_xml<vtkXMLPolyDataWriter>(path, surface);
+}
+
+void write_stl(const std::filesystem::path& path, const TriMesh& mesh)
+{
+    const vtkNew<vtkPolyData> surface = vtk_surface(mesh);
+    write_file_atomically(path, [&](const std::filesystem::path& temporary) {
+        vtkNew<vtkSTLWriter> writer;
+        writer->SetInputData(surface);
+        writer->SetFileTypeToBinary();
+        writer->SetFileName(temporary.c_str());
+        if (writer->Write() == 0 || writer->GetErrorCode() != 0)
+            throw IoError("cannot write the surface", path.string());
+    });
 }
 
 } // namespace retractor::mesh

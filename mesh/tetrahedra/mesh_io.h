@@ -33,4 +33,7 @@ TetMesh read_vtu(const std::filesystem::path& path, MeshFields* fields = nullptr
 /// @throws InputError naming the triangle or vertex that is out of range or not finite; otherwise as write_vtu()
 void write_vtp(const std::filesystem::path& path, const TriMesh& mesh, const MeshFields& fields = {});
 
+/// Writes triangles as binary STL, which holds no labels. @throws as write_vtp()
+void write_stl(const std::filesystem::path& path, const TriMesh& mesh);
+
 } // namespace retractor::mesh

@@ -406,6 +406,13 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "<p>" << escaped(field.explanation) << "</p>";
         write_view(out, report, field.name);
         write_pictures(out, report, field.name);
+        for (std::size_t n = 0; n < report.landmarks.size() && n < report.fields.size(); ++n)
+            if (&report.fields[n] == &field && !report.landmarks[n].empty()) {
+                out << "<p>To check on the skin in the theatre:";
+                for (const std::string& sentence : report.landmarks[n])
+                    out << ' ' << escaped(sentence);
+                out << "</p>";
+            }
         out << "<p>Hooks: ";
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
             out << (i == 0 ? "" : "; ") << escaped(field.hooks[i].name) << " " << in_words(field.hooks[i].force_N, 1);

@@ -30,6 +30,8 @@ struct Report {
     std::optional<Provenance> computed; ///< inputs, program and date
     std::vector<FieldMetrics> fields;
     std::vector<std::vector<std::string>> divided_bones; ///< of each field (planner::divided_bones()); empty: not known
+    /// Of each field: distances from landmarks to check in the theatre, in sentences; empty: not known.
+    std::vector<std::vector<std::string>> landmarks {};
     std::vector<std::string> refused; ///< approaches without numbers, and the reasons
     std::vector<ReportPicture> pictures;
     std::vector<ReportView> views {};

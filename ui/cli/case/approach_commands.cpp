@@ -1,4 +1,6 @@
+#include "mesh/base/atomic_file.h"
 #include "mesh/base/text_format.h"
+#include "mesh/tetrahedra/mesh_io.h"
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/number_range.h"
@@ -7,15 +9,18 @@
 #include "mesh/base/error.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/approach/hooks.h"
+#include "planner/approach/incision_guide.h"
 #include "planner/approach/retractors.h"
 #include "planner/case/case_io.h"
 #include "planner/case/opening_protocol.h"
 #include "planner/case/patient.h"
 #include "ui/cli/framework/open_case.h"
+#include "ui/cli/framework/out_folder.h"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -394,6 +399,44 @@ namespace {
         return outcome;
     }
 
+    Outcome guide(const ApproachOptions& options, const std::string& out, const Job& job)
+    {
+        planner::Patient patient(open_case(options.case_file), job);
+        const planner::Approach& approach = planner::find_approach(patient.planned_case(), options.name);
+        const OutFolder folder(out);
+        const std::filesystem::path ribbon = std::filesystem::path(out) / (approach.name + "-guide.stl"),
+                                    markup = std::filesystem::path(out) / (approach.name + ".mrk.json");
+        mesh::write_stl(ribbon, planner::guide_ribbon(approach));
+        write_file_atomically(markup, planner::slicer_markup(approach));
+        Outcome outcome;
+        outcome.document = { { "name", approach.name }, { "files", { ribbon.string(), markup.string() } },
+            { "landmarks", Json::array() } };
+        const std::vector<planner::LandmarkDistance> landmarks = planner::landmark_distances(patient, approach);
+        for (const planner::LandmarkDistance& landmark : landmarks)
+            outcome.document["landmarks"].push_back(
+                { { "landmark", landmark.landmark }, { "at_mm", { landmark.at.x(), landmark.at.y(), landmark.at.z() } },
+                    { "to_start_mm", landmark.to_start_mm }, { "to_end_mm", landmark.to_end_mm } });
+        for (const std::string& sentence : planner::landmark_sentences(landmarks))
+            outcome.text += sentence + "\n";
+        if (landmarks.empty())
+            outcome.text += "no landmark: the labels show no sternum\n";
+        outcome.text += "wrote " + ribbon.string() + " and " + markup.string() + "\n";
+        return outcome;
+    }
+
+    void add_guide_command(CLI::App& approach, Commands& commands, const std::shared_ptr<ApproachOptions>& options)
+    {
+        auto out = std::make_shared<std::string>();
+        CLI::App* command = approach.add_subcommand("guide",
+            "Bring an incision into the theatre: distances from landmarks, a ribbon for the skin to print (STL), and a "
+            "curve for 3D Slicer");
+        command->footer("Example: retractor approach guide case.json --name median --out G");
+        command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
+        command->add_option("--name", options->name, "Name of the approach")->required();
+        command->add_option("--out", *out, "Folder for NAME-guide.stl and NAME.mrk.json")->required();
+        commands.on(command, [options, out](const Job& job) { return guide(*options, *out, job); });
+    }
+
     void add_add_command(CLI::App& approach, Commands& commands, const std::shared_ptr<ApproachOptions>& options)
     {
         CLI::App* add_command
@@ -407,12 +450,12 @@ namespace {
             "         retractor approach add case.json --template intercostal:4 --target aneurysm --opening 50 "
             "--division both");
         add_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
-        add_command->add_option(
-            "--template", options->template_name, "Template of the approach: median, intercostal:N, distal or midcab");
+        add_command->add_option("--template", options->template_name,
+            "Template of the approach: median, intercostal:N, distal, midcab, right-anterior or right-lateral");
         CLI::Option* points = add_command->add_option("--points", options->points,
             "Points of the incision, x,y,z (mm, patient LPS) on or near the skin, in cutting order");
         add_command
-            ->add_option("--target", options->target, 
+            ->add_option("--target", options->target,
                 "Target to see: a label; a site on one, SITE:LABEL:x,y,z,r, such as "
                 "\"anastomosis site:heart:31,-20,140,8\"; or a sphere x,y,z,r (mm, patient LPS)")
             ->required();
@@ -480,6 +523,8 @@ void add_approach_commands(Commands& commands)
     divide_command->add_option("--name", options->name, "Name of the approach")->required();
     add_division_options(*divide_command, *options, false)->required();
     commands.on(divide_command, [options](const Job&) { return divide(*options); });
+
+    add_guide_command(*approach, commands, options);
 
     CLI::App* list_command = approach->add_subcommand("list", "List the approaches of a case");
     list_command->footer("Example: retractor approach list case.json");

@@ -7,6 +7,7 @@
 #include "mesh/surface/wound_surface.h"
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/approach/divided_bones.h"
+#include "planner/approach/incision_guide.h"
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
 #include "planner/measures/bones/bone_limits.h"
@@ -396,6 +397,8 @@ void write_field_report(const std::filesystem::path& folder, planner::Patient& p
         if (is_measured(field)) {
             report.fields.push_back(field.metrics);
             report.divided_bones.push_back(planner::divided_bones(*labels, field.approach));
+            report.landmarks.push_back(
+                planner::landmark_sentences(planner::landmark_distances(patient, field.approach)));
         }
     report.pictures = pictures;
     for (const planner::PlannedField& field : fields)

@@ -204,6 +204,10 @@ std::string surgical_name(const Approach& approach)
         return "Left posterolateral thoracotomy" + in_space;
     if (kind == "midcab")
         return "Left anterior mini-thoracotomy" + in_space;
+    if (kind == "right-anterior")
+        return "Right anterior mini-thoracotomy" + in_space;
+    if (kind == "right-lateral")
+        return "Right lateral mini-thoracotomy" + in_space;
     return "Drawn incision";
 }
 

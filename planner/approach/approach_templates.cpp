@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -31,6 +32,9 @@ namespace {
     /// Multiple of the median thickness; a thicker wall is no chest wall (shoulder, belly).
     constexpr double kThickWall = 2.0;
 
+    constexpr std::array<std::string_view, 6> kTemplateKinds { "median", "intercostal", "distal", "midcab",
+        "right-anterior", "right-lateral" };
+
     struct ParsedTemplate {
         std::string kind;
         int space = 0; ///< 0: not given
@@ -39,14 +43,15 @@ namespace {
     ParsedTemplate parse_template(const std::string& text)
     {
         const auto refuse = [&](const std::string& why) -> ParsedTemplate {
-            throw InputError(why + " \"" + text + "\": use median, intercostal:N, distal, distal:N, midcab or midcab:N",
+            throw InputError(why + " \"" + text
+                    + "\": use median, intercostal:N, distal, midcab, right-anterior or right-lateral; the last four "
+                      "also with a space of their own, such as midcab:4",
                 "template", { "template_name" });
         };
         ParsedTemplate parsed;
         const auto colon = text.find(':');
         parsed.kind = text.substr(0, colon);
-        if (parsed.kind != "median" && parsed.kind != "intercostal" && parsed.kind != "distal"
-            && parsed.kind != "midcab")
+        if (std::ranges::find(kTemplateKinds, parsed.kind) == kTemplateKinds.end())
             return refuse("unknown template");
         if (colon == std::string::npos)
             return parsed.kind == "intercostal" ? refuse("no intercostal space given in") : parsed;
@@ -503,6 +508,23 @@ namespace {
                 .from_deg = 95.0,
                 .to_deg = 163.0, // the internal thoracic artery runs beside the sternum
                 .words = "MIDCAB: left anterior mini-thoracotomy." };
+        if (parsed.kind == "right-anterior")
+            return { .left = false,
+                .spaces = parsed.space > 0 ? std::vector { parsed.space } : std::vector { 2, 3 },
+                .length_mm = length(60.0),
+                .shift_mm = request.shift_mm,
+                .from_deg = 110.0,
+                .to_deg = 163.0,
+                .words = "Right anterior mini-thoracotomy." };
+        if (parsed.kind == "right-lateral")
+            return { .left = false,
+                .spaces = { parsed.space > 0 ? parsed.space : 4 },
+                .length_mm = length(70.0),
+                .shift_mm = request.shift_mm,
+                .centre_deg = 112.0, // about the anterior axillary line
+                .from_deg = 75.0,
+                .to_deg = 150.0,
+                .words = "Right lateral mini-thoracotomy, centred about the anterior axillary line." };
         return { .left = request.left,
             .spaces = { parsed.space },
             .length_mm = length(170.0),
@@ -622,7 +644,8 @@ Approach approach_from_template(const mesh::LabelVolume& labels, const Anatomy& 
         const SpacePlan plan = plan_for(parsed, request);
         place_in_space(probe, anatomy, plan, target_centre(labels, request.target), approach);
         approach.division.extent = request.division.value_or(DivisionExtent::full);
-        approach.retracted = retracted_organs(labels.table, plan.left, !plan.left, parsed.kind == "midcab");
+        const bool opens_pericardium = parsed.kind != "intercostal" && parsed.kind != "distal";
+        approach.retracted = retracted_organs(labels.table, plan.left, !plan.left, opens_pericardium);
     }
     check_sweep(approach);
     static_cast<void>(mesh::SweptBlade(blade_of(approach))); // the cutter's own check, before planning

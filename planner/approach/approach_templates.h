@@ -10,6 +10,11 @@
 //   (the 6th by default). The incision lies between the back muscles and the side, where it faces the target.
 // - midcab[:N]: left anterior mini-thoracotomy, 70 mm long, centred over the target. The space is N, or whichever of
 //   the 4th and 5th is nearer to the target.
+// - right-anterior[:N]: right anterior mini-thoracotomy for the aortic valve, 60 mm long, where space N, or the nearer of
+//   the 2nd and 3rd, faces the target. Surgeons choose it where more than half of the ascending aorta lies right of the
+//   sternum's edge, less than 100 mm from the chest wall [Gilmanov 2013, Ann Thorac Surg 96:837].
+// - right-lateral[:N]: right lateral mini-thoracotomy for mitral and tricuspid valve, 70 mm long, in space N (the 4th by
+//   default), centred about the anterior axillary line [Onan 2020, doi 10.5606/tgkdc.dergisi.2020.19614].
 //
 // The templates between ribs divide intercostal muscle and pleura beyond the skin incision, as surgeons do to spread
 // ribs (DivisionExtent::full).

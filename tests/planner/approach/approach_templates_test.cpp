@@ -3,6 +3,7 @@
 #include "datasets/phantoms/phantom.h"
 #include "mesh/base/error.h"
 #include "planner/anatomy/body_probe.h"
+#include "planner/approach/approach_draft.h"
 #include "tests/support/synthetic_chest.h"
 
 #include <gtest/gtest.h>
@@ -52,7 +53,8 @@ namespace approach_templates_test {
         return r;
     }
 
-    const std::vector<std::string> kTemplates { "median", "intercostal:4", "intercostal:5", "distal", "midcab" };
+    const std::vector<std::string> kTemplates { "median", "intercostal:4", "intercostal:5", "distal", "midcab",
+        "right-anterior", "right-lateral" };
 
     double distance_to_bone(const mesh::LabelVolume& labels, const Approach& approach, std::string_view but_not)
     {
@@ -232,6 +234,31 @@ namespace approach_templates_test {
             return (a.incision[a.incision.size() / 2] - target).norm();
         };
         EXPECT_LE(reach("midcab"), std::min(reach("midcab:4"), reach("midcab:5")) + 2.0);
+    }
+
+    TEST(ApproachTemplates, MiniThoracotomiesOnTheRightLieInFrontAndAtTheSide)
+    {
+        const mesh::LabelVolume& labels = patients()[0].labels;
+        const auto angle_deg = [](const Approach& a) { // from straight back; x points left, y back
+            const Vec3 middle = a.incision[a.incision.size() / 2];
+            return std::atan2(std::abs(middle.x()), middle.y()) * 180.0 / std::numbers::pi;
+        };
+        const Approach front = approach_from_template(labels, request("right-anterior")),
+                       side = approach_from_template(labels, request("right-lateral"));
+        for (const Approach* approach : { &front, &side }) {
+            for (const Vec3& point : approach->incision)
+                EXPECT_LT(point.x(), 0.0) << approach->name;
+            EXPECT_NE(std::ranges::find(approach->retracted, "lung_right"), approach->retracted.end());
+            EXPECT_EQ(std::ranges::find(approach->retracted, "lung_left"), approach->retracted.end());
+            EXPECT_EQ(approach->division.extent, DivisionExtent::full);
+        }
+        EXPECT_NEAR(incision_length(front), 60.0, 3.0); // the ribs of this chest end early
+        EXPECT_NEAR(incision_length(side), 70.0, 1.5);
+        EXPECT_GT(angle_deg(front), angle_deg(side) + 5.0);
+        EXPECT_NEAR(angle_deg(side), 112.0, 3.0);
+        EXPECT_TRUE(front.template_name == "right-anterior:2" || front.template_name == "right-anterior:3");
+        EXPECT_EQ(side.template_name, "right-lateral:4");
+        EXPECT_EQ(surgical_name(side), "Right lateral mini-thoracotomy, 4th space");
     }
 
     TEST(ApproachTemplates, DistalLiesFartherBackThanTheLateralIncision)

@@ -65,10 +65,10 @@ protected:
 
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
-    for (const char* command : { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan",
-             "render", "compare", "search", "batch", "demo", "doctor", "palpable", "palpate", "relay", "train",
-             "train expert", "train test", "train report", "evidence", "evidence complications", "evidence rules",
-             "evidence show-rule", "evidence generate" }) {
+    for (const char* command : { "phantom", "import", "approach add", "approach guide", "hooks", "tension", "mesh",
+             "cut", "plan", "render", "compare", "search", "batch", "demo", "doctor", "palpable", "palpate", "relay",
+             "train", "train expert", "train test", "train report", "evidence", "evidence complications",
+             "evidence rules", "evidence show-rule", "evidence generate" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;

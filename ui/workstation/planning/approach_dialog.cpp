@@ -38,6 +38,9 @@ namespace {
         Kind { "Thoracotomy between two ribs", "intercostal", true, true, "finochietto", kRibOpeningMm },
         Kind { "Left posterolateral thoracotomy", "distal", true, false, "finochietto", kRibOpeningMm },
         Kind { "Left anterior mini-thoracotomy (MIDCAB)", "midcab", true, false, "midcab", kRibOpeningMm },
+        Kind {
+            "Right anterior mini-thoracotomy (aortic valve)", "right-anterior", true, false, "midcab", kRibOpeningMm },
+        Kind { "Right lateral mini-thoracotomy (mitral valve)", "right-lateral", true, false, "midcab", kRibOpeningMm },
     };
 
     struct HookSet {

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <set>
 #include <tuple>
@@ -114,9 +113,30 @@ const RayScene& ApertureScorer::scene_of(ApertureKind kind)
     return *scene;
 }
 
+namespace {
+
+    /// Sections at most this far apart, between those of the line.
+    std::vector<ApertureSection> with_sections_between(const std::vector<ApertureSection>& sections, double spacing_mm)
+    {
+        std::vector<ApertureSection> dense { sections.front() };
+        for (std::size_t n = 0; n + 1 < sections.size(); ++n) {
+            const ApertureSection &a = sections[n], &b = sections[n + 1];
+            const double longer = std::max((b.skin - a.skin).norm(), (b.inner - a.inner).norm());
+            const int steps = std::max(1, static_cast<int>(std::ceil(longer / spacing_mm)));
+            for (int i = 1; i <= steps; ++i) {
+                const double t = static_cast<double>(i) / steps;
+                dense.push_back(
+                    { .skin = (1.0 - t) * a.skin + t * b.skin, .inner = (1.0 - t) * a.inner + t * b.inner });
+            }
+        }
+        return dense;
+    }
+
+} // namespace
+
 std::set<Label> ApertureScorer::labels_on_blade(const std::vector<ApertureSection>& sections) const
 {
-    const double step = labels_->grid.spacing.minCoeff();
+    const double step = 0.5 * labels_->grid.spacing.minCoeff();
     std::set<Label> met;
     for (const ApertureSection& section : sections) {
         const Vec3 inward = (section.inner - section.skin).normalized();
@@ -129,10 +149,12 @@ std::set<Label> ApertureScorer::labels_on_blade(const std::vector<ApertureSectio
 
 std::vector<RiskDistance> ApertureScorer::risks_beside(const std::vector<ApertureSection>& sections) const
 {
+    constexpr double kSpacingMm = 2.5; // a vessel of this width is met
+    const std::vector<ApertureSection> dense = with_sections_between(sections, kSpacingMm);
     std::vector<RiskDistance> nearest;
     for (const std::string& name : risk_names_)
-        nearest.push_back({ .name = name, .distance_mm = std::numeric_limits<double>::infinity() });
-    for (const ApertureSection& section : sections) {
+        nearest.push_back({ .name = name, .distance_mm = kFarthestRiskMm });
+    for (const ApertureSection& section : dense) {
         const Vec3 inward = (section.inner - section.skin).normalized();
         const Vec3 tip = section.inner + kDepthMarginMm * inward;
         for (const RiskPoint& point : risk_points_)
@@ -142,12 +164,26 @@ std::vector<RiskDistance> ApertureScorer::risks_beside(const std::vector<Apertur
                 nearest[point.label].at = point.at;
             }
     }
-    const std::set<Label> met = labels_on_blade(sections);
+    const std::set<Label> met = labels_on_blade(dense);
     for (std::size_t n = 0; n < nearest.size(); ++n)
         if (met.contains(risk_labels_[n]))
             nearest[n].distance_mm = 0.0;
-    std::erase_if(nearest, [](const RiskDistance& risk) { return risk.distance_mm > kFarthestRiskMm; });
+    std::erase_if(nearest, [](const RiskDistance& risk) { return risk.distance_mm >= kFarthestRiskMm; });
     return nearest_risks(std::move(nearest));
+}
+
+std::vector<RiskDistance> ApertureScorer::exact_risks(const std::vector<ApertureSection>& sections) const
+{
+    mesh::Blade blade;
+    blade.depth_mm = 0.0;
+    for (const ApertureSection& section : sections) {
+        blade.line.push_back(section.skin);
+        blade.directions.push_back((section.inner - section.skin).normalized());
+        blade.depth_mm = std::max(blade.depth_mm, (section.inner - section.skin).norm() + kDepthMarginMm);
+    }
+    return risk_distances(blade, *labels_, [this](std::string_view name) {
+        return patient_.has_voxels(name) ? patient_.organ(name) : std::make_shared<const TriMesh>();
+    });
 }
 
 Candidate ApertureScorer::score(const std::vector<ApertureSection>& sections, double width_mm, ApertureKind kind,

@@ -47,6 +47,14 @@ public:
 
     std::vector<SurfaceSample> samples(int count) const;
 
+    /// Builds what score() needs for this kind, so that its failures come before thousands of trials.
+    /// @throws InputError, IoError as Patient does for a surface that is missing
+    void prepare(ApertureKind kind) { static_cast<void>(scene_of(kind)); }
+
+    /// Distances of structures at risk from the blade, as risk_distances() measures them on whole surfaces. score()
+    /// takes points 3 mm apart.
+    std::vector<RiskDistance> exact_risks(const std::vector<ApertureSection>& sections) const;
+
 private:
     struct RiskPoint {
         Vec3 at = Vec3::Zero();

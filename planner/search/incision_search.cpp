@@ -1,6 +1,7 @@
 #include "planner/search/incision_search.h"
 
 #include "mesh/base/assert.h"
+#include "mesh/base/each_on_threads.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/base/triangle.h"
@@ -13,13 +14,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <exception>
 #include <functional>
-#include <limits>
 #include <memory>
-#include <mutex>
 #include <numbers>
-#include <set>
 #include <thread>
 #include <utility>
 
@@ -49,6 +46,11 @@ namespace {
     }
     constexpr double kGenerators[] = { 0.7548776662466927, 0.5698402909980532, 0.8191725133961645 };
 
+    ApertureKind kind_over(const SpaceNumber& space)
+    {
+        return space.left ? ApertureKind::left_space : ApertureKind::right_space;
+    }
+
     /// An incision to try.
     struct Trial {
         std::optional<std::size_t> line {}; ///< over a space; not set: a straight line on the skin
@@ -61,35 +63,32 @@ namespace {
     struct Tried {
         Trial trial;
         FoundIncision incision;
+        std::vector<ApertureSection> sections;
     };
 
-    /// Runs f(0) to f(count - 1) on several threads; an exception of one of them is thrown here.
+    /// The patient's axes. A search anywhere does without landmarks.
+    AnatomicalFrame frame_of(Patient& patient, bool anywhere)
+    {
+        try {
+            return patient.frame();
+        } catch (const InputError&) {
+            if (!anywhere)
+                throw;
+            return {
+                .origin = Vec3::Zero(), .superior = Vec3::UnitZ(), .anterior = -Vec3::UnitY(), .left = Vec3::UnitX()
+            };
+        }
+    }
+
+    /// Does f(0) to f(count - 1) on the job's threads, with progress.
     void run_parallel(std::size_t count, const Job& job, const std::function<void(std::size_t)>& f)
     {
-        std::atomic<std::size_t> next { 0 };
-        std::exception_ptr failure;
-        std::mutex mutex;
-        const auto work = [&](bool reports) {
-            for (std::size_t i = next.fetch_add(1); i < count && !job.cancelled(); i = next.fetch_add(1)) {
-                try {
-                    f(i);
-                } catch (...) {
-                    const std::scoped_lock lock(mutex);
-                    failure = std::current_exception();
-                    next.store(count);
-                }
-                if (reports)
-                    job.report("incisions by rays", static_cast<double>(i + 1) / static_cast<double>(count));
-            }
-        };
-        {
-            std::vector<std::jthread> threads;
-            for (int t = 1; t < std::min<int>(job.threads, static_cast<int>(std::thread::hardware_concurrency())); ++t)
-                threads.emplace_back(work, false);
-            work(true);
-        }
-        if (failure)
-            std::rethrow_exception(failure);
+        std::atomic<std::size_t> done { 0 };
+        const auto cores = static_cast<int>(std::thread::hardware_concurrency());
+        each_on_threads(count, std::min(job.threads, cores), job, [&](std::size_t n) {
+            f(n);
+            job.report("incisions by rays", static_cast<double>(done.fetch_add(1) + 1) / static_cast<double>(count));
+        });
     }
 
     struct Search {
@@ -109,7 +108,7 @@ namespace {
             , job(accompanying)
             , weights(weights_without_force(asked.weights))
             , probe(*of.labels())
-            , frame(of.frame())
+            , frame(frame_of(of, asked.anywhere))
             , scorer(of, asked.target, asked.view, asked.retracted, accompanying)
         {
         }
@@ -120,8 +119,8 @@ namespace {
             return std::min(request.opening_mm > 0.0 ? request.opening_mm : usual, kWidestShare * length_mm);
         }
 
-        /// Scores sections; nothing where a structure at risk is too near or the target lies in the opening.
-        std::optional<FoundIncision> scored(const std::vector<ApertureSection>& sections, double length_mm,
+        /// Scores sections; nothing where the target lies in the opening.
+        std::optional<FoundIncision> score(const std::vector<ApertureSection>& sections, double length_mm,
             ApertureKind kind, const std::vector<SurfaceSample>& samples)
         {
             FoundIncision incision;
@@ -132,32 +131,57 @@ namespace {
             } catch (const InputError&) {
                 return std::nullopt;
             }
-            const std::vector<RiskDistance>& risks = incision.candidate.field.at_risk;
-            if (!risks.empty() && risks.front().distance_mm < request.limits.from_risk_mm)
-                return std::nullopt;
+            const FieldMetrics& field = incision.candidate.field;
+            incision.own_seen = field.seen_best_eye;
+            incision.own_reached = field.reached_by_two_instruments;
+            incision.near_risk = is_near_risk(field.at_risk);
             for (const ApertureSection& section : sections)
                 incision.points.push_back(section.skin);
             const std::size_t last = incision.points.size() - 1;
             incision.middle = 0.5 * (incision.points[last / 2] + incision.points[last - last / 2]);
             rescale(incision);
-            return incision.candidate.field.seen_best_eye < least_seen() ? std::nullopt : std::optional(incision);
+            return incision;
         }
 
-        /// The grid shows first what can be seen at all.
-        double least_seen() const { return largest_bound_mm2 > 0.0 ? request.limits.least_seen : 0.0; }
+        bool is_near_risk(const std::vector<RiskDistance>& risks) const
+        {
+            return !risks.empty() && risks.front().distance_mm < request.limits.from_risk_mm;
+        }
 
-        /// Turns the shares of what this incision's eyes could see into shares of the largest area.
+        bool is_proposal(const FoundIncision& incision) const
+        {
+            return !incision.near_risk && incision.candidate.field.seen_best_eye >= request.limits.least_seen;
+        }
+
+        /// Turns the shares of what this incision's eyes could see into shares of the largest area known.
         void rescale(FoundIncision& incision) const
         {
             FieldMetrics& field = incision.candidate.field;
             const double share
                 = largest_bound_mm2 > 0.0 ? std::min(1.0, field.best_eye.bound_area_mm2 / largest_bound_mm2) : 1.0;
-            field.seen_best_eye *= share;
-            field.reached_by_two_instruments *= share;
+            field.seen_best_eye = share * incision.own_seen;
+            field.reached_by_two_instruments = share * incision.own_reached;
             incision.points_of_100 = score_of(incision.candidate, weights).points;
         }
 
-        std::optional<Tried> tried(const Trial& trial, const std::vector<SurfaceSample>& samples)
+        void take_bound(const FoundIncision& incision)
+        {
+            largest_bound_mm2 = std::max(largest_bound_mm2, incision.candidate.field.best_eye.bound_area_mm2);
+        }
+
+        /// Measures the distances from structures at risk on their whole surfaces, as plans do.
+        void measure_risks(FoundIncision& incision, const std::vector<ApertureSection>& sections)
+        {
+            try {
+                incision.candidate.field.at_risk = scorer.exact_risks(sections);
+            } catch (const InputError&) { // a blade that folds over itself is refused when its approach is made
+                return;
+            }
+            incision.near_risk = is_near_risk(incision.candidate.field.at_risk);
+            rescale(incision);
+        }
+
+        std::optional<Tried> try_incision(const Trial& trial, const std::vector<SurfaceSample>& samples)
         {
             return trial.line ? over_space(trial, samples) : on_skin(trial, samples);
         }
@@ -169,8 +193,7 @@ namespace {
                 line, trial.along_mm - 0.5 * trial.length_mm, trial.along_mm + 0.5 * trial.length_mm);
             if (!sections)
                 return std::nullopt;
-            auto incision = scored(*sections, trial.length_mm,
-                line.space->left ? ApertureKind::left_space : ApertureKind::right_space, samples);
+            auto incision = score(*sections, trial.length_mm, kind_over(*line.space), samples);
             if (!incision)
                 return std::nullopt;
             incision->kind = FoundIncision::Kind::space;
@@ -179,7 +202,7 @@ namespace {
             const auto nearest = std::ranges::min_element(
                 line.places, {}, [&](const LinePlace& place) { return std::abs(place.along_mm - trial.along_mm); });
             incision->angle_deg = nearest->angle_deg;
-            return Tried { trial, *std::move(incision) };
+            return Tried { trial, *std::move(incision), *sections };
         }
 
         /// The direction of a straight line, square to the blade.
@@ -192,17 +215,25 @@ namespace {
 
         std::optional<Tried> on_skin(const Trial& trial, const std::vector<SurfaceSample>& samples)
         {
-            const auto line = line_on_skin(probe, trial.middle, trial.inward, along_of(trial), trial.length_mm);
+            // The skin bends: a shorter straight line has the length that is asked on the skin.
+            double straight_mm = trial.length_mm;
+            std::optional<IncisionLine> line;
+            for (int n = 0; n < 3; ++n) {
+                line = line_on_skin(probe, trial.middle, trial.inward, along_of(trial), straight_mm);
+                if (!line || std::abs(line->places.back().along_mm - trial.length_mm) < 0.5)
+                    break;
+                straight_mm *= trial.length_mm / line->places.back().along_mm;
+            }
             if (!line)
                 return std::nullopt;
             std::vector<ApertureSection> sections;
             for (const LinePlace& place : line->places)
                 sections.push_back(place.wall);
-            auto incision = scored(sections, trial.length_mm, ApertureKind::skin, samples);
+            auto incision = score(sections, line->places.back().along_mm, ApertureKind::skin, samples);
             if (!incision)
                 return std::nullopt;
             incision->kind = FoundIncision::Kind::skin;
-            return Tried { trial, *std::move(incision) };
+            return Tried { trial, *std::move(incision), std::move(sections) };
         }
     };
 
@@ -215,17 +246,17 @@ namespace {
         if (!(limits.shortest_mm > 0.0 && limits.longest_mm >= limits.shortest_mm && limits.longest_mm <= 1000.0))
             refuse("the lengths must be above 0, in order and at most 1000 mm, not " + in_words(limits.shortest_mm)
                     + " to " + in_words(limits.longest_mm),
-                "length");
+                "length_mm");
         if (!(limits.highest_space >= 1 && limits.lowest_space <= 11 && limits.highest_space <= limits.lowest_space))
             refuse("the spaces must be 1 to 11 and in order, not " + std::to_string(limits.highest_space) + " to "
                     + std::to_string(limits.lowest_space),
                 "spaces");
         if (!(request.opening_mm == 0.0 || request.opening_mm >= kLeastOpeningMm) || !std::isfinite(request.opening_mm))
-            refuse("the opening must be at least " + in_words(kLeastOpeningMm) + " mm", "opening");
+            refuse("the opening must be at least " + in_words(kLeastOpeningMm) + " mm", "opening_mm");
         if (!(limits.from_risk_mm >= 0.0 && std::isfinite(limits.from_risk_mm)))
-            refuse("the distance from structures at risk must be at least 0 mm", "from risk");
+            refuse("the distance from structures at risk must be at least 0 mm", "from_risk_mm");
         if (!(limits.least_seen >= 0.0 && limits.least_seen <= 1.0))
-            refuse("the least share that is seen must be 0 to 100 %", "least seen");
+            refuse("the least share that is seen must be 0 to 100 %", "least_seen");
         if (!request.retractor.empty())
             static_cast<void>(find_retractor(built_in_retractors(), request.retractor));
         if (!request.anywhere && !limits.left && !limits.right && !limits.saw)
@@ -268,12 +299,12 @@ namespace {
         }
     }
 
+    /// The shortest length, and a grid that the seed shifts.
     std::vector<double> lengths_of(const SearchRequest& request)
     {
         const SearchLimits& limits = request.limits;
-        std::vector<double> lengths;
-        const double shift = shifted(0, request.seed, kGenerators[0])
-            * std::min(kLengthGridMm, limits.longest_mm - limits.shortest_mm);
+        std::vector<double> lengths { limits.shortest_mm };
+        const double shift = shifted(0, request.seed, kGenerators[0]) * kLengthGridMm;
         for (double length = limits.shortest_mm + shift; length <= limits.longest_mm; length += kLengthGridMm)
             lengths.push_back(length);
         return lengths;
@@ -284,10 +315,13 @@ namespace {
         std::vector<Trial> trials;
         for (std::size_t line = 0; line < search.lines.size(); ++line)
             for (const double length : lengths_of(search.request)) {
-                const double end = search.lines[line].places.back().along_mm;
+                const double last = search.lines[line].places.back().along_mm - 0.5 * length;
                 const double shift = shifted(1, search.request.seed, kGenerators[1]) * kGridMm;
-                for (double along = 0.5 * length + shift; along + 0.5 * length <= end; along += kGridMm)
+                for (double along = 0.5 * length + shift; along < last; along += kGridMm)
                     trials.push_back({ .line = line, .along_mm = along, .length_mm = length });
+                for (const double end : { 0.5 * length, last })
+                    if (end > 0.0 && last >= 0.5 * length)
+                        trials.push_back({ .line = line, .along_mm = end, .length_mm = length });
             }
         return trials;
     }
@@ -317,6 +351,11 @@ namespace {
             trials.push_back(trial);
         }
         return trials;
+    }
+
+    TriedPlace place_of(const FoundIncision& incision)
+    {
+        return { .middle = incision.middle, .points_of_100 = incision.points_of_100, .near_risk = incision.near_risk };
     }
 
     // ---- steps -----------------------------------------------------------------------------------------------------
@@ -356,34 +395,33 @@ namespace {
         return neighbours;
     }
 
-    /// Steps to better incisions; the steps are halved until they are small. @returns all that was tried
-    std::vector<Tried> stepped(
-        Search& search, const Tried& start, double first_mm, const std::vector<SurfaceSample>& samples)
+    /// Steps to better incisions; the steps are halved until they are small.
+    /// @param places receives all that was tried @return the best; nothing where the start is none on these samples
+    std::optional<Tried> step_to_best(Search& search, const Tried& start, double first_mm,
+        const std::vector<SurfaceSample>& samples, std::vector<TriedPlace>& places)
     {
         constexpr int kStepsEach = 8;
-        std::vector<Tried> all;
-        std::optional<Tried> best = search.tried(start.trial, samples);
-        if (!best)
-            return all;
-        all.push_back(*best);
+        std::optional<Tried> best = search.try_incision(start.trial, samples);
+        if (!best || !search.is_proposal(best->incision))
+            return std::nullopt;
         for (double step_mm = first_mm; step_mm > kSmallestStepMm; step_mm *= 0.5) {
             bool moved = true;
             for (int step = 0; moved && step < kStepsEach && !search.job.cancelled(); ++step) {
                 moved = false;
                 for (const Trial& trial : neighbours_of(search, best->trial, step_mm)) {
-                    const std::optional<Tried> next = search.tried(trial, samples);
+                    std::optional<Tried> next = search.try_incision(trial, samples);
                     if (!next)
                         continue;
-                    all.push_back(*next);
-                    if (next->incision.points_of_100 > best->incision.points_of_100) {
-                        best = next;
+                    places.push_back(place_of(next->incision));
+                    if (search.is_proposal(next->incision)
+                        && next->incision.points_of_100 > best->incision.points_of_100) {
+                        best = std::move(next);
                         moved = true;
                     }
                 }
             }
         }
-        all.push_back(*best); // the last is the best
-        return all;
+        return best;
     }
 
     bool is_better(const Tried& a, const Tried& b) { return a.incision.points_of_100 > b.incision.points_of_100; }
@@ -410,25 +448,26 @@ namespace {
     }
 
     /// Steps from several places. @returns where they end, the best first; those that have come together once
-    std::vector<Tried> stepped_from(Search& search, const std::vector<Tried>& starts, double first_mm,
+    std::vector<Tried> step_from(Search& search, const std::vector<Tried>& starts, double first_mm,
         const std::vector<SurfaceSample>& samples, std::vector<TriedPlace>& places)
     {
-        std::vector<std::vector<Tried>> paths(starts.size());
+        std::vector<std::optional<Tried>> ends(starts.size());
+        std::vector<std::vector<TriedPlace>> tried(starts.size());
         run_parallel(starts.size(), search.job,
-            [&](std::size_t n) { paths[n] = stepped(search, starts[n], first_mm, samples); });
-        std::vector<Tried> ends;
-        for (const std::vector<Tried>& path : paths) {
-            if (!path.empty())
-                ends.push_back(path.back());
-            for (const Tried& one : path)
-                places.push_back({ one.incision.middle, one.incision.points_of_100 });
+            [&](std::size_t n) { ends[n] = step_to_best(search, starts[n], first_mm, samples, tried[n]); });
+        std::vector<Tried> best;
+        for (std::size_t n = 0; n < starts.size(); ++n) {
+            if (ends[n])
+                best.push_back(*std::move(ends[n]));
+            places.insert(places.end(), tried[n].begin(), tried[n].end());
         }
-        std::ranges::stable_sort(ends, is_better);
-        return starts_of(ends);
+        std::ranges::stable_sort(best, is_better);
+        return starts_of(best);
     }
 
-    /// The midline of the sternum, whose place and length are given.
-    std::optional<FoundIncision> over_sternum(
+    /// The midline of the sternum, whose place and length are given; nothing, with the reason, where it has no
+    /// template.
+    std::optional<Tried> try_sternum(
         Search& search, std::vector<std::string>& missing, const std::vector<SurfaceSample>& samples)
     {
         try {
@@ -441,37 +480,76 @@ namespace {
             for (std::size_t n = 0; n < approach.incision.size(); ++n)
                 sections.push_back({ .skin = approach.incision[n],
                     .inner = approach.incision[n] + approach.wall_thickness_mm[n] * approach.directions[n] });
-            auto incision = search.scored(sections, incision_length(approach), ApertureKind::sternum, samples);
-            if (incision)
-                incision->kind = FoundIncision::Kind::sternum;
-            return incision;
+            auto incision = search.score(sections, incision_length(approach), ApertureKind::sternum, samples);
+            if (!incision)
+                throw InputError("the target lies in the opening");
+            incision->kind = FoundIncision::Kind::sternum;
+            return Tried { {}, *std::move(incision), std::move(sections) };
         } catch (const InputError& error) {
             missing.push_back(std::string("sternum: ") + error.what());
             return std::nullopt;
         }
     }
 
-    /// The grid, without what shows too little. @param places receives all of it
-    std::vector<Tried> tried_grid(Search& search, const std::vector<Trial>& trials, std::vector<TriedPlace>& places)
+    /// The grid, without what is no proposal. @param places receives all of it
+    std::vector<Tried> try_grid(Search& search, const std::vector<Trial>& trials, std::vector<TriedPlace>& places)
     {
         const std::vector<SurfaceSample> samples = search.scorer.samples(kSamples);
         std::vector<std::optional<Tried>> results(trials.size());
-        run_parallel(trials.size(), search.job, [&](std::size_t n) { results[n] = search.tried(trials[n], samples); });
-        std::vector<Tried> tried;
-        for (std::optional<Tried>& result : results)
+        run_parallel(
+            trials.size(), search.job, [&](std::size_t n) { results[n] = search.try_incision(trials[n], samples); });
+        for (const std::optional<Tried>& result : results)
             if (result)
-                search.largest_bound_mm2
-                    = std::max(search.largest_bound_mm2, result->incision.candidate.field.best_eye.bound_area_mm2);
+                search.take_bound(result->incision);
+        std::vector<Tried> tried;
         for (std::optional<Tried>& result : results) {
             if (!result)
                 continue;
             search.rescale(result->incision);
-            places.push_back({ result->incision.middle, result->incision.points_of_100 });
-            if (result->incision.candidate.field.seen_best_eye >= search.request.limits.least_seen)
+            places.push_back(place_of(result->incision));
+            if (search.is_proposal(result->incision))
                 tried.push_back(*std::move(result));
         }
         std::ranges::stable_sort(tried, is_better);
         return tried;
+    }
+
+    /// Spaces over which no trial was possible.
+    void name_missing_spaces(const Search& search, const std::vector<Trial>& trials, std::vector<std::string>& missing)
+    {
+        std::vector<bool> has_room(search.lines.size(), false);
+        for (const Trial& trial : trials)
+            if (trial.line && !has_room[*trial.line])
+                has_room[*trial.line] = sections_between(search.lines[*trial.line],
+                    trial.along_mm - 0.5 * trial.length_mm, trial.along_mm + 0.5 * trial.length_mm)
+                                            .has_value();
+        for (std::size_t n = 0; n < search.lines.size(); ++n)
+            if (const SpaceNumber& space = *search.lines[n].space; !has_room[n])
+                missing.push_back(space_name(space.left, space.number) + ": no room for an incision of "
+                    + in_words(search.request.limits.shortest_mm) + " mm");
+    }
+
+    std::string sternum_objection(const FoundIncision& sternum, const Search& search)
+    {
+        const FieldMetrics& field = sternum.candidate.field;
+        if (sternum.near_risk)
+            return "sternum: " + readable(field.at_risk.front().name) + " lies "
+                + in_words(field.at_risk.front().distance_mm, 1) + " mm from the blade";
+        return "sternum: shows less than " + in_words(100.0 * search.request.limits.least_seen) + " % of the target";
+    }
+
+    /// What the search ends with: shares of the same area, and exact distances from structures at risk.
+    void finish(Search& search, std::vector<Tried>& best, std::vector<FoundIncision>& found)
+    {
+        for (const Tried& one : best)
+            search.take_bound(one.incision);
+        run_parallel(
+            best.size(), search.job, [&](std::size_t n) { search.measure_risks(best[n].incision, best[n].sections); });
+        for (Tried& one : best)
+            if (search.is_proposal(one.incision))
+                found.push_back(std::move(one.incision));
+        std::ranges::stable_sort(
+            found, [](const FoundIncision& a, const FoundIncision& b) { return a.points_of_100 > b.points_of_100; });
     }
 
 } // namespace
@@ -493,28 +571,43 @@ IncisionSearch search_incisions(Patient& patient, const SearchRequest& request, 
     const Stopwatch watch;
     IncisionSearch result;
     Search search(patient, request, job);
-    if (!request.anywhere)
-        find_lines(search, *landmarks_of(patient), result.missing);
-    const std::vector<Tried> grid
-        = tried_grid(search, request.anywhere ? trials_on_skin(search) : trials_over_spaces(search), result.tried);
     const std::vector<SurfaceSample> fine = search.scorer.samples(kFineSamples),
                                      finest = search.scorer.samples(kFinestSamples);
-    const std::vector<Tried> ends = stepped_from(search, starts_of(grid), kFirstStepMm, fine, result.tried);
+    std::optional<Tried> sternum;
+    std::vector<Trial> trials;
+    if (request.anywhere) {
+        search.scorer.prepare(ApertureKind::skin);
+        trials = trials_on_skin(search);
+    } else {
+        find_lines(search, *landmarks_of(patient), result.missing);
+        for (const IncisionLine& line : search.lines)
+            search.scorer.prepare(kind_over(*line.space));
+        trials = trials_over_spaces(search);
+        name_missing_spaces(search, trials, result.missing);
+        if (request.limits.saw) {
+            search.scorer.prepare(ApertureKind::sternum);
+            sternum = try_sternum(search, result.missing, finest);
+        }
+    }
+    if (sternum)
+        search.take_bound(sternum->incision);
+    const std::vector<Tried> grid = try_grid(search, trials, result.tried);
+    const std::vector<Tried> ends = step_from(search, starts_of(grid), kFirstStepMm, fine, result.tried);
     const auto middle = ends.begin() + static_cast<std::ptrdiff_t>(std::min(kPolished, ends.size()));
-    std::vector<Tried> best = stepped_from(search, { ends.begin(), middle }, kFirstLastStepMm, finest, result.tried);
+    std::vector<Tried> best = step_from(search, { ends.begin(), middle }, kFirstLastStepMm, finest, result.tried);
     for (auto rest = middle; rest != ends.end(); ++rest) // scores on other samples would not compare
-        if (std::optional<Tried> again = search.tried(rest->trial, finest))
+        if (std::optional<Tried> again = search.try_incision(rest->trial, finest))
             best.push_back(*std::move(again));
     std::ranges::stable_sort(best, is_better);
-    for (const Tried& one : best)
-        result.found.push_back(one.incision);
-    if (!request.anywhere && request.limits.saw)
-        if (auto sternum = over_sternum(search, result.missing, finest)) {
-            result.tried.push_back({ sternum->middle, sternum->points_of_100 });
-            result.found.push_back(*std::move(sternum));
-        }
-    std::ranges::stable_sort(
-        result.found, [](const FoundIncision& a, const FoundIncision& b) { return a.points_of_100 > b.points_of_100; });
+    best = starts_of(best);
+    if (sternum)
+        best.push_back(*sternum);
+    finish(search, best, result.found);
+    if (sternum) {
+        result.tried.push_back(place_of(best.back().incision));
+        if (std::ranges::find(result.found, FoundIncision::Kind::sternum, &FoundIncision::kind) == result.found.end())
+            result.missing.emplace_back(sternum_objection(best.back().incision, search));
+    }
     result.largest_bound_mm2 = search.largest_bound_mm2;
     result.status = job.cancelled() ? SearchStatus::cancelled : SearchStatus::done;
     result.seconds = watch.seconds();
@@ -528,6 +621,18 @@ namespace {
     Vec3 middle_of(const Approach& approach)
     {
         return incision_place(approach, 0.5 * incision_length(approach)).of(approach.incision);
+    }
+
+    /// Refuses an approach that has slid away from the incision that was found, or has become shorter.
+    void check_is_found(const Approach& approach, const FoundIncision& incision)
+    {
+        constexpr double kAwayMm = 8.0, kShorter = 0.93;
+        const double length = incision_length(approach);
+        if (length < kShorter * incision.length_mm)
+            throw InputError("the blade has room for " + in_words(std::round(length)) + " mm only");
+        const double away = (middle_of(approach) - incision.middle).norm();
+        if (away > kAwayMm)
+            throw InputError("the blade has room only " + in_words(std::round(away)) + " mm away");
     }
 
     /// The template's incision, moved along the space until its middle is that of the incision that was found.
@@ -547,6 +652,7 @@ namespace {
             request.shift_mm += off.dot(forwards) > 0.0 ? off.norm() : -off.norm();
             approach = approach_from_template(*patient.labels(), *patient.anatomy(), request);
         }
+        check_is_found(approach, incision);
         return approach;
     }
 
@@ -564,7 +670,7 @@ namespace {
     {
         switch (incision.kind) {
         case FoundIncision::Kind::space:
-            return incision.space->left ? ApertureKind::left_space : ApertureKind::right_space;
+            return kind_over(*incision.space);
         case FoundIncision::Kind::sternum:
             return ApertureKind::sternum;
         case FoundIncision::Kind::skin:

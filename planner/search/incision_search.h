@@ -61,6 +61,8 @@ struct FoundIncision {
     std::vector<Vec3> points {}; ///< on the skin
     double length_mm = 0.0;
     double opening_mm = 0.0; ///< width of the hole
+    double own_seen = 0.0, own_reached = 0.0; ///< shares of what the eyes at this incision could see
+    bool near_risk = false; ///< a structure at risk lies nearer to the blade than the limits allow
     /// What rays tell. Here the shares of the target are of the largest area that an eye at any of the incisions would
     /// see with the wall removed, so that an incision on the side where organs hide the target gets what it shows.
     Candidate candidate {};
@@ -71,28 +73,32 @@ struct FoundIncision {
 struct TriedPlace {
     Vec3 middle = Vec3::Zero();
     double points_of_100 = 0.0;
+    bool near_risk = false; ///< FoundIncision::near_risk
 };
 
 enum class SearchStatus { done, cancelled };
 
 struct [[nodiscard]] IncisionSearch {
     SearchStatus status = SearchStatus::done;
-    std::vector<FoundIncision> found {}; ///< highest score first: of every line, or region of the skin, the best
+    /// Highest score first. A space is there with its best place, and again with a place that is far from it.
+    std::vector<FoundIncision> found {};
     std::vector<TriedPlace> tried {};
     double largest_bound_mm2 = 0.0; ///< area of the target that FoundIncision's shares are of
-    std::vector<std::string> missing {}; ///< lines that could not be tried, with the reason
+    std::vector<std::string> missing {}; ///< spaces and sternum without an incision, with the reason
     double seconds = 0.0;
 };
 
 /// The weights without the force. @throws InputError where nothing else has a weight
 Weights weights_without_force(Weights weights);
 
-/// @throws InputError on limits out of order, a target that cannot be seen, and where there is no line to try
+/// @throws InputError on limits out of order, a target or an organ that the case does not have, an unknown retractor,
+/// and missing landmarks, unless the search is anywhere
 IncisionSearch search_incisions(Patient& patient, const SearchRequest& request, const Job& job = {});
 
 /// The approach with this incision, as templates and drawn points make it. Its name is that of the place:
 /// "left_space_4_110mm".
-/// @throws InputError as approach_from_template(), approach_from_points() and opened_by() do
+/// @throws InputError as approach_from_template(), approach_from_points() and opened_by() do, and where the incision
+/// has no room for all of its length
 Approach approach_of(Patient& patient, const FoundIncision& incision, const SearchRequest& request);
 
 /// What opens this incision. Usual are a sternal spreader for the sternum, a small retractor for an incision between

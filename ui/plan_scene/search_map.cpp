@@ -8,7 +8,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <memory>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -25,7 +27,8 @@ namespace {
         { 0.99, 0.91, 0.14 },
     } };
     constexpr Color kNotTried { 0.62, 0.58, 0.55 };
-    constexpr Label kNoScore = kScale.size();
+    constexpr Color kNearRisk { 0.75, 0.25, 0.20 };
+    constexpr Label kNoScore = kScale.size(), kRefused = kScale.size() + 1;
     constexpr double kReachMm = 12.0; ///< a place colours the skin round it
 
     struct Range {
@@ -41,9 +44,14 @@ namespace {
     Range range_of(const std::vector<planner::TriedPlace>& tried)
     {
         constexpr double kStep = 5.0;
-        const auto [low, high] = std::ranges::minmax_element(tried, {}, &planner::TriedPlace::points_of_100);
-        Range range { .low = kStep * std::floor(low->points_of_100 / kStep),
-            .high = kStep * std::ceil(high->points_of_100 / kStep) };
+        double low = 100.0, high = 0.0;
+        for (const planner::TriedPlace& place : tried) {
+            if (place.near_risk)
+                continue;
+            low = std::min(low, place.points_of_100);
+            high = std::max(high, place.points_of_100);
+        }
+        Range range { .low = kStep * std::floor(std::min(low, high) / kStep), .high = kStep * std::ceil(high / kStep) };
         range.high = std::max(range.high, range.low + kStep);
         return range;
     }
@@ -67,14 +75,19 @@ namespace {
             const Vec3 at = (corners[0] + corners[1] + corners[2]) / 3.0;
             const auto [i, j, k] = cell_of(at);
             double best = -1.0;
+            bool refused = false;
             for (int n = 0; n < 27; ++n)
                 if (const auto found = cells.find({ i + n % 3 - 1, j + n / 3 % 3 - 1, k + n / 9 - 1 });
                     found != cells.end())
                     for (const planner::TriedPlace* place : found->second)
-                        if ((place->middle - at).norm() < kReachMm)
-                            best = std::max(best, place->points_of_100);
+                        if ((place->middle - at).norm() < kReachMm) {
+                            refused = refused || place->near_risk;
+                            best = place->near_risk ? best : std::max(best, place->points_of_100);
+                        }
             if (best >= 0.0)
                 skin->labels[t] = static_cast<Label>(range.bin(best));
+            else if (refused)
+                skin->labels[t] = kRefused;
         }
         return skin;
     }
@@ -87,6 +100,7 @@ namespace {
             const double from = range.low + step * static_cast<double>(n);
             lines.push_back({ in_words(from) + " to " + in_words(from + step), " ", kScale.at(n) });
         }
+        lines.push_back({ "too near a structure at risk", " ", kNearRisk });
         lines.push_back({ "not tried", " ", kNotTried });
         for (const MappedIncision& incision : incisions)
             lines.push_back({ incision.sign, incision.words });
@@ -105,6 +119,7 @@ Picture search_map(planner::Patient& patient, const planner::IncisionSearch& sea
     for (std::size_t n = 0; n < kScale.size(); ++n)
         skin.look_of_label[static_cast<Label>(n)] = Look { .color = kScale.at(n) };
     skin.look_of_label[kNoScore] = Look { .color = kNotTried };
+    skin.look_of_label[kRefused] = Look { .color = kNearRisk };
 
     const planner::AnatomicalFrame frame = patient.frame();
     Picture picture { .width = width, .height = height, .viewports = {} };

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -47,6 +48,7 @@ namespace {
         TriMesh opened;
         Points rest; ///< of the same vertices; empty: the part does not move
         bool meshed = false; ///< a part of the tetrahedra's boundary
+        std::vector<std::uint8_t> seen {}; ///< per vertex of the target: eyes that see it, over the most, times 255
     };
 
     /// The triangles of a mesh that are in a list, with their own vertices.
@@ -130,26 +132,26 @@ namespace {
     /// Simplifies a part. A vertex that is new moves as the nearest of the old ones did.
     void simplify(Part& part, double share)
     {
-        constexpr double kCellMm = 4.0, kReachMm = 12.0, kStillMm = 0.02;
-        SpatialHash<Eigen::Index> moving(kCellMm);
+        constexpr double kCellMm = 4.0, kReachMm = 16.0;
+        SpatialHash<Eigen::Index> vertices(kCellMm);
         for (Eigen::Index v = 0; v < part.rest.rows(); ++v)
-            if ((part.opened.vertices.row(v) - part.rest.row(v)).norm() > kStillMm)
-                moving.add(part.opened.vertices.row(v).transpose(), v);
+            vertices.add(part.opened.vertices.row(v).transpose(), v);
         const TriMesh full = std::exchange(part.opened, simplified(part.opened, share));
         if (part.rest.rows() == 0)
             return;
         const Points full_rest = std::exchange(part.rest, part.opened.vertices);
         for (Eigen::Index v = 0; v < part.rest.rows(); ++v) {
             const Vec3 at = part.opened.vertices.row(v).transpose();
-            double nearest = kReachMm;
-            moving.visit_near(at, kCellMm, [&](Eigen::Index old) {
-                const double distance = (full.vertices.row(old).transpose() - at).norm();
-                if (distance < nearest) {
-                    nearest = distance;
-                    part.rest.row(v) = at.transpose() + full_rest.row(old) - full.vertices.row(old);
-                }
-                return true;
-            });
+            double nearest = std::numeric_limits<double>::infinity();
+            for (double reach = kCellMm; nearest > reach && reach <= kReachMm; reach *= 2.0)
+                vertices.visit_near(at, reach, [&](Eigen::Index old) {
+                    const double distance = (full.vertices.row(old).transpose() - at).norm();
+                    if (distance < nearest) {
+                        nearest = distance;
+                        part.rest.row(v) = at.transpose() + full_rest.row(old) - full.vertices.row(old);
+                    }
+                    return true;
+                });
         }
     }
 
@@ -170,8 +172,58 @@ namespace {
                 simplify(part, share);
     }
 
-    // ---- numbers as text
-    // ---------------------------------------------------------------------------------------------
+    // ---- how much is seen -----------------------------------------------------------------------------------------
+
+    /// The largest share of the eyes that see one place of the target; 0: nothing is seen, or it was not measured.
+    double largest_share_of_eyes(const planner::Exposure& exposure)
+    {
+        return exposure.sample_seen.empty() ? 0.0
+                                            : static_cast<double>(*std::ranges::max_element(exposure.sample_seen));
+    }
+
+    /// Gives every vertex of the target the number of eyes of the nearest sample.
+    void colour_target(Part& target, const planner::Exposure& exposure)
+    {
+        constexpr double kCellMm = 5.0, kFarMm = 80.0; // samples of a large target lie some mm apart
+        const double most = largest_share_of_eyes(exposure);
+        if (!(most > 0.0))
+            return;
+        SpatialHash<std::size_t> samples(kCellMm);
+        for (std::size_t n = 0; n < exposure.sample_points.size(); ++n)
+            samples.add(exposure.sample_points[n].position, n);
+        for (Eigen::Index v = 0; v < target.opened.vertices.rows(); ++v) {
+            const Vec3 at = target.opened.vertices.row(v).transpose();
+            double nearest = std::numeric_limits<double>::infinity(), share = 0.0;
+            for (double reach = kCellMm; nearest > reach && reach < kFarMm; reach *= 2.0)
+                samples.visit_near(at, reach, [&](std::size_t n) {
+                    const double distance = (exposure.sample_points[n].position - at).norm();
+                    if (distance < nearest) {
+                        nearest = distance;
+                        share = static_cast<double>(exposure.sample_seen[n]);
+                    }
+                    return true;
+                });
+            target.seen.push_back(static_cast<std::uint8_t>(std::lround(255.0 * share / most)));
+        }
+    }
+
+    /// The eyes with the shares that they see; null where nothing is seen.
+    Json eyes_document(const planner::Exposure& exposure)
+    {
+        const double most = largest_share_of_eyes(exposure);
+        if (!(most > 0.0))
+            return {};
+        Json places = Json::array();
+        double largest = 0.0;
+        for (const planner::EyeView& view : exposure.eyes) {
+            places.push_back({ view.eye.x(), view.eye.y(), view.eye.z(), view.visible_fraction });
+            largest = std::max(largest, view.visible_fraction);
+        }
+        return { { "places", places }, { "largest_share", largest },
+            { "most_that_see", std::lround(most * static_cast<double>(exposure.eyes.size())) } };
+    }
+
+    // ---- numbers as text ------------------------------------------------------------------------------------------
 
     template <class Number> std::string encoded(const std::vector<Number>& numbers)
     {
@@ -229,6 +281,9 @@ std::string field_view(planner::Patient& patient, const planner::PlannedField& f
     const Scene outside = overview_scene(patient, field);
     std::vector<Part> parts = parts_of(patient, field, outside);
     simplify(parts);
+    for (Part& part : parts)
+        if (part.layer == "target")
+            colour_target(part, field.exposure);
     const Box box = box_of(parts);
     Json document { { "surgeon", camera_document(surgeon_scene(patient, field).camera) },
         { "outside", camera_document(outside.camera) },
@@ -246,8 +301,12 @@ std::string field_view(planner::Patient& patient, const planner::PlannedField& f
             { "opened", encoded_positions(part.opened.vertices, box) } };
         if (part.rest.rows() > 0)
             surface["rest"] = encoded_positions(part.rest, box);
+        if (!part.seen.empty())
+            surface["seen"] = encoded(part.seen);
         document["surfaces"].push_back(std::move(surface));
     }
+    if (Json eyes = eyes_document(field.exposure); !eyes.is_null())
+        document["eyes"] = std::move(eyes);
     return document.dump();
 }
 

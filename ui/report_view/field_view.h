@@ -16,6 +16,7 @@ namespace retractor::ui {
 inline constexpr std::size_t kReportTriangles = 80'000;
 
 /// The opened field with wall, remaining anatomy, retractor and target in layers, at rest and opened, and two cameras.
+/// The target carries how many eyes of the field's cone see each place, and the eyes what they see.
 /// Positions are 16-bit steps over the scene's box: exact to about 0.01 mm. Surfaces beyond the wall are simplified.
 /// @pre the field is measured
 std::string field_view(planner::Patient& patient, const planner::PlannedField& field);

@@ -151,6 +151,36 @@ namespace field_view_test {
         EXPECT_EQ(text.find('<'), std::string::npos); // it stands inside a script of the page
     }
 
+    TEST_F(FieldView, ColoursTheTargetByTheEyesThatSeeIt)
+    {
+        const planner::Exposure& exposure = field->exposure;
+        ASSERT_EQ(view.at("eyes").at("places").size(), exposure.eyes.size());
+        double largest = 0.0;
+        for (const planner::EyeView& eye : exposure.eyes)
+            largest = std::max(largest, eye.visible_fraction);
+        EXPECT_EQ(view.at("eyes").at("largest_share"), largest);
+        const double most = *std::ranges::max_element(exposure.sample_seen);
+        EXPECT_EQ(view.at("eyes").at("most_that_see"), std::lround(most * static_cast<double>(exposure.eyes.size())));
+        for (const Json& surface : view.at("surfaces")) {
+            EXPECT_EQ(surface.contains("seen"), surface.at("layer") == "target");
+            if (!surface.contains("seen"))
+                continue;
+            const std::vector<std::uint8_t> seen = numbers<std::uint8_t>(surface.at("seen"));
+            const std::vector<Vec3> at = positions(surface.at("opened"));
+            ASSERT_EQ(seen.size(), at.size());
+            for (std::size_t v = 0; v < at.size(); ++v) { // the nearest sample, found among all
+                double nearest = 1e9, share = 0.0;
+                for (std::size_t n = 0; n < exposure.sample_points.size(); ++n)
+                    if (const double distance = (exposure.sample_points[n].position - at[v]).norm();
+                        distance < nearest) {
+                        nearest = distance;
+                        share = static_cast<double>(exposure.sample_seen[n]);
+                    }
+                EXPECT_NEAR(seen[v], 255.0 * share / most, 1.0);
+            }
+        }
+    }
+
     TEST_F(FieldView, StandsInTheReportWithItsViewer)
     {
         planner::Report report;

@@ -1,5 +1,6 @@
 #include "ui/cli/commands.h"
 
+#include "mesh/base/each_on_threads.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/case/case_io.h"
@@ -18,10 +19,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
-#include <exception>
 #include <filesystem>
+#include <fstream>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -51,10 +55,10 @@ namespace {
         {
             if (file_ < 0)
                 throw IoError("cannot write into the folder", folder.string());
-            if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+            if (::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
                 ::close(file_);
                 throw InputError("another batch is at work in this folder", folder.string());
-            }
+            } // a file system without locks cannot tell
         }
         FolderLock(const FolderLock&) = delete;
         FolderLock& operator=(const FolderLock&) = delete;
@@ -83,44 +87,71 @@ namespace {
     }
 
     /// Why a job has no answer, from what the program printed.
-    std::string reason_of(const ProgramRun& run, double limit_s)
+    struct Failure {
+        std::string reason;
+        bool lasting = true; ///< JobStatus::lasting
+    };
+    Failure failure_of(const ProgramRun& run, double limit_s)
     {
+        constexpr int kBadInput = 2;
         if (run.timed_out)
-            return "took longer than " + in_words(limit_s) + " s";
+            return { "took longer than " + in_words(limit_s) + " s" };
         const Json json = Json::parse(run.out, nullptr, false);
         if (!json.is_object())
-            return "the program ended without an answer: it crashed, was killed or had no memory";
-        if (json.contains("error"))
-            return json["error"].get<std::string>() + " (" + json.value("where", std::string()) + ")";
+            return { "the program ended without an answer: it crashed, was killed or had no memory", false };
+        if (json.contains("error")) {
+            const std::string where = json.value("where", std::string());
+            return { json["error"].get<std::string>() + (where.empty() ? "" : " (" + where + ")"),
+                run.exit_code == kBadInput };
+        }
         if (json.contains("refused") && !json["refused"].empty())
-            return json["refused"][0].value("message", std::string());
-        if (json.contains("approaches") && !json["approaches"].empty() && json["approaches"][0].contains("verdict"))
-            return json["approaches"][0]["verdict"]["sentences"][0].get<std::string>();
-        return "exit code " + std::to_string(run.exit_code);
+            return { json["refused"][0].value("message", std::string()) };
+        for (const Json& approach : json.value("approaches", Json::array())) {
+            const Json verdict = approach.value("verdict", Json::object());
+            if (verdict.value("light", std::string()) == "unknown")
+                return { verdict["sentences"][0].get<std::string>() };
+            if (approach.contains("second_opinion") && approach["second_opinion"].value("status", "") != "agrees")
+                return { "the second opinion does not agree" };
+        }
+        return { "exit code " + std::to_string(run.exit_code), false };
+    }
+
+    /// Whether the folder holds the numbers of a plan.
+    bool has_numbers(const fs::path& folder)
+    {
+        std::ifstream in(folder / "metrics.json");
+        const Json json = Json::parse(in, nullptr, false);
+        return json.is_object() && json.contains("approaches") && !json["approaches"].empty();
     }
 
     /// Runs one job in a folder of its own, which is emptied first. @returns its status; running: it was cancelled
-    JobStatus run_job(
-        const BatchJob& job, const std::string& inputs, const fs::path& folder, double limit_s, const Job& batch)
+    JobStatus run_job(const BatchJob& job, const std::string& inputs, const fs::path& folder, double limit_s,
+        const std::function<bool()>& stop)
     {
         fs::remove_all(folder);
         make_folder(folder);
         JobStatus status { .inputs = inputs };
         write_job_status(folder, status);
         // Each process has one thread, so that as many run at once as there are cores.
-        std::vector<std::string> words { fs::read_symlink("/proc/self/exe").string(), "--json", "--threads", "1",
-            "plan", job.case_file.string(), "--approach", job.approach, "--out", folder.string() };
+        // The program by this name is the one that runs here, also where a new version has taken its place.
+        std::vector<std::string> words { "/proc/self/exe", "--json", "--threads", "1", "plan", job.case_file.string(),
+            "--approach", job.approach, "--out", folder.string() };
         words.insert(words.end(), job.options.begin(), job.options.end());
         const Stopwatch watch;
-        const ProgramRun run = run_program(words, std::chrono::milliseconds(std::llround(1000.0 * limit_s)), {},
-            [&batch] { return batch.cancelled(); });
+        const ProgramRun run = run_program(words, std::chrono::milliseconds(std::llround(1000.0 * limit_s)), {}, stop);
         if (run.stopped)
             return status;
         status.seconds = watch.seconds();
         status.peak_bytes = run.peak_bytes;
-        status.state = run.exit_code == 0 ? JobStatus::State::done : JobStatus::State::failed;
-        if (status.state == JobStatus::State::failed)
-            status.reason = reason_of(run, limit_s);
+        if (run.exit_code == 0 && has_numbers(folder)) {
+            status.state = JobStatus::State::done;
+        } else {
+            const Failure failure
+                = run.exit_code == 0 ? Failure { "the program gave no numbers" } : failure_of(run, limit_s);
+            status.state = JobStatus::State::failed;
+            status.reason = failure.reason;
+            status.lasting = failure.lasting;
+        }
         status.disk_bytes = size_of(folder);
         write_job_status(folder, status);
         return status;
@@ -135,9 +166,10 @@ namespace {
             BatchRow row { .job = jobs[n], .status = read_job_status(folder / jobs[n].name) };
             const bool holds = row.status && row.status->inputs == inputs[n]
                 && row.status->state != JobStatus::State::running
-                && !(retry && row.status->state == JobStatus::State::failed);
+                && !(row.status->state == JobStatus::State::failed && (retry || !row.status->lasting));
             if (!holds)
                 row.status.reset();
+            read_numbers(row, folder);
             rows.push_back(std::move(row));
         }
         return rows;
@@ -151,41 +183,29 @@ namespace {
         for (std::size_t n = 0; n < rows.size(); ++n)
             if (!rows[n].status)
                 open.push_back(n);
-        std::atomic<std::size_t> next { 0 };
         std::mutex mutex; // of the rows and the summary
         std::size_t ended = 0;
-        std::exception_ptr failure;
-        const auto work = [&] {
-            for (std::size_t i = next.fetch_add(1); i < open.size() && !job.cancelled(); i = next.fetch_add(1)) {
-                try {
-                    const BatchJob one = rows[open[i]].job;
-                    const JobStatus status
-                        = run_job(one, inputs[open[i]], jobs_folder / one.name, options.limit_s, job);
-                    if (status.state == JobStatus::State::running)
-                        return; // cancelled
-                    const std::scoped_lock lock(mutex);
-                    rows[open[i]].status = status;
-                    write_batch_summary(folder, jobs_folder, rows);
-                    job.report("jobs", static_cast<double>(++ended) / static_cast<double>(open.size()));
-                } catch (...) { // a full disk concerns all jobs
-                    const std::scoped_lock lock(mutex);
-                    failure = std::current_exception();
-                    next.store(open.size());
-                }
-            }
-        };
+        std::atomic<bool> broken { false }; ///< a full disk concerns all jobs
         job.report("jobs", 0.0);
         const auto cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-        const auto processes = std::min<std::size_t>(
-            static_cast<std::size_t>(options.processes > 0 ? options.processes : cores), open.size());
-        {
-            std::vector<std::jthread> threads;
-            for (std::size_t p = 1; p < processes; ++p)
-                threads.emplace_back(work);
-            work();
-        }
-        if (failure)
-            std::rethrow_exception(failure);
+        each_on_threads(open.size(), options.processes > 0 ? options.processes : cores, job, [&](std::size_t i) {
+            BatchRow& row = rows[open[i]];
+            try {
+                const BatchJob one = row.job;
+                const JobStatus status = run_job(one, inputs[open[i]], jobs_folder / one.name, options.limit_s,
+                    [&] { return job.cancelled() || broken.load(); });
+                if (status.state == JobStatus::State::running)
+                    return; // stopped
+                const std::scoped_lock lock(mutex);
+                row.status = status;
+                read_numbers(row, jobs_folder);
+                write_batch_summary(folder, jobs_folder, rows);
+                job.report("jobs", static_cast<double>(++ended) / static_cast<double>(open.size()));
+            } catch (...) {
+                broken.store(true);
+                throw;
+            }
+        });
     }
 
     Outcome outcome_of(const std::vector<BatchRow>& rows, std::size_t skipped, const fs::path& folder, double seconds)

@@ -8,6 +8,7 @@
 #include "ui/cli/plan/metrics_csv.h"
 
 #include <array>
+#include <cctype>
 #include <fstream>
 #include <sstream>
 #include <string_view>
@@ -38,20 +39,9 @@ figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } img { width: 
 
     bool is_done(const BatchRow& row) { return row.status && row.status->state == JobStatus::State::done; }
 
-    /// The approach's entry of the job's metrics.json; null where there is none.
-    Json numbers_of(const fs::path& folder, const BatchRow& row)
+    std::string csv_of(const BatchRow& row)
     {
-        if (!is_done(row))
-            return {};
-        std::ifstream in(folder / "metrics.json");
-        const Json json = Json::parse(in, nullptr, false);
-        if (!json.is_object() || !json.contains("approaches") || json["approaches"].empty())
-            return {};
-        return json["approaches"][0];
-    }
-
-    std::string csv_of(const BatchRow& row, const Json& numbers)
-    {
+        const Json& numbers = row.numbers;
         const JobStatus status = row.status.value_or(JobStatus {});
         return datasets::csv_quoted(row.job.name) + "," + datasets::csv_quoted(row.job.case_file.string()) + ","
             + datasets::csv_quoted(row.job.variant) + "," + state_of(row) + "," + datasets::csv_quoted(status.reason)
@@ -60,8 +50,9 @@ figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } img { width: 
             + (numbers.is_object() ? metrics_csv_row(numbers) : metrics_csv_empty_row(row.job.approach)) + "\n";
     }
 
-    std::string table_row(const BatchRow& row, const Json& numbers)
+    std::string table_row(const BatchRow& row)
     {
+        const Json& numbers = row.numbers;
         const JobStatus status = row.status.value_or(JobStatus {});
         std::string text = std::string(status.state == JobStatus::State::failed ? "<tr class=\"failed\">" : "<tr>")
             + "<td>" + planner::escaped(row.job.name) + "</td><td>" + state_of(row) + "</td>";
@@ -76,19 +67,43 @@ figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } img { width: 
             + "<td class=\"words\">" + planner::escaped(status.reason) + "</td></tr>\n";
     }
 
+    /// A relative path as a part of an address (RFC 3986).
+    std::string in_address(const std::string& path)
+    {
+        std::string address;
+        for (const char c : path)
+            if (std::isalnum(static_cast<unsigned char>(c)) != 0
+                || std::string_view("-._~/").find(c) != std::string::npos)
+                address += c;
+            else
+                address += formatted("%%%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
+        return address;
+    }
+
     /// The picture of a job that is done, which leads to its report.
     std::string figure_of(const fs::path& inside, const fs::path& folder, const BatchRow& row)
     {
         const std::string picture = row.job.approach + "-surgeon.png";
         if (!is_done(row) || !fs::exists(folder / picture))
             return {};
-        const auto link = [&](const std::string& file) { return planner::escaped((inside / file).generic_string()); };
+        const auto link = [&](const std::string& file) { return in_address((inside / file).generic_string()); };
         return "<figure><a href=\"" + link("report.html") + "\"><img loading=\"lazy\" alt=\""
             + planner::escaped(row.job.name) + "\" src=\"" + link(picture) + "\"/></a><figcaption>"
             + planner::escaped(row.job.name) + "</figcaption></figure>\n";
     }
 
 } // namespace
+
+void read_numbers(BatchRow& row, const fs::path& jobs_folder)
+{
+    row.numbers = {};
+    if (!is_done(row))
+        return;
+    std::ifstream in(jobs_folder / row.job.name / "metrics.json");
+    const Json json = Json::parse(in, nullptr, false);
+    if (json.is_object() && json.contains("approaches") && !json["approaches"].empty())
+        row.numbers = json["approaches"][0];
+}
 
 void write_batch_summary(const fs::path& folder, const fs::path& jobs_folder, const std::vector<BatchRow>& rows)
 {
@@ -102,9 +117,8 @@ void write_batch_summary(const fs::path& folder, const fs::path& jobs_folder, co
     std::string sheet;
     for (const BatchRow& row : rows) {
         const fs::path job_folder = jobs_folder / row.job.name;
-        const Json numbers = numbers_of(job_folder, row);
-        csv += csv_of(row, numbers);
-        page << table_row(row, numbers);
+        csv += csv_of(row);
+        page << table_row(row);
         sheet += figure_of(fs::relative(job_folder, folder), job_folder, row);
     }
     page << "</tbody></table><div class=\"sheet\">" << sheet << "</div></body></html>\n";

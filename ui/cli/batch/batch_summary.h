@@ -3,6 +3,7 @@
 
 #include "ui/cli/batch/job_status.h"
 #include "ui/cli/batch/sweep.h"
+#include "ui/cli/framework/command.h"
 
 #include <filesystem>
 #include <optional>
@@ -15,7 +16,11 @@ namespace retractor::ui::cli {
 struct BatchRow {
     BatchJob job;
     std::optional<JobStatus> status;
+    Json numbers {}; ///< the approach's entry of the job's metrics.json; null: the job has none
 };
+
+/// Reads the numbers of a job that is done.
+void read_numbers(BatchRow& row, const std::filesystem::path& jobs_folder);
 
 /// Writes summary.csv and summary.html, each in one step. Numbers are those of the jobs that are done.
 /// @param jobs_folder with one folder per job, inside `folder`

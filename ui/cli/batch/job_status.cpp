@@ -45,6 +45,7 @@ std::optional<JobStatus> read_job_status(const std::filesystem::path& folder)
                 status.state = state;
         json.at("inputs").get_to(status.inputs);
         json.at("reason").get_to(status.reason);
+        json.at("lasting").get_to(status.lasting);
         json.at("seconds").get_to(status.seconds);
         json.at("peak_bytes").get_to(status.peak_bytes);
         json.at("disk_bytes").get_to(status.disk_bytes);
@@ -57,7 +58,8 @@ std::optional<JobStatus> read_job_status(const std::filesystem::path& folder)
 void write_job_status(const std::filesystem::path& folder, const JobStatus& status)
 {
     const Json json { { "state", to_string(status.state) }, { "inputs", status.inputs }, { "reason", status.reason },
-        { "seconds", status.seconds }, { "peak_bytes", status.peak_bytes }, { "disk_bytes", status.disk_bytes } };
+        { "lasting", status.lasting }, { "seconds", status.seconds }, { "peak_bytes", status.peak_bytes },
+        { "disk_bytes", status.disk_bytes } };
     write_file_atomically(folder / kFile, json.dump(2) + "\n");
 }
 

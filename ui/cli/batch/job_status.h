@@ -12,6 +12,8 @@ struct JobStatus {
     State state = State::running;
     std::string inputs; ///< what the job was made from; other inputs make another job
     std::string reason {}; ///< of a failed job
+    /// Of a failed job: the same again would fail in the same way. A full disk, a lack of memory or a signal passes.
+    bool lasting = true;
     double seconds = 0.0;
     double peak_bytes = 0.0; ///< largest memory of the process
     double disk_bytes = 0.0; ///< of the job's files

@@ -93,11 +93,40 @@ namespace {
         return text;
     }
 
-    /// "patient7" for ".../patient7/case.json".
-    std::string case_name(const fs::path& file)
+    /// "patient7" for ".../patient7/case.json", with as many folders before it as tell the cases apart.
+    std::vector<std::string> case_names(const std::vector<fs::path>& files)
     {
-        return file.filename() == planner::kCaseFileName ? file.parent_path().filename().string()
-                                                         : file.stem().string();
+        const auto name_of = [](const fs::path& file, int folders) {
+            fs::path at = file.filename() == planner::kCaseFileName ? file.parent_path() : file;
+            std::string name = at.filename() == file.filename() ? at.stem().string() : at.filename().string();
+            for (int n = 0; n < folders && at.has_relative_path(); ++n) {
+                at = at.parent_path();
+                name = at.filename().string() + "_" + name;
+            }
+            return name;
+        };
+        constexpr int kMostFolders = 20;
+        std::vector<std::string> names;
+        for (const fs::path& file : files) {
+            int folders = 0;
+            while (folders < kMostFolders && std::ranges::any_of(files, [&](const fs::path& other) {
+                return other != file && name_of(other, folders) == name_of(file, folders);
+            }))
+                ++folders;
+            names.push_back(name_of(file, folders));
+        }
+        return names;
+    }
+
+    /// A case with the place of its file.
+    planner::Case read_named_case(const fs::path& path, const std::string& text, const std::string& where)
+    {
+        try {
+            return planner::read_case(path);
+        } catch (const Error& error) {
+            throw InputError(
+                text + ": " + error.what() + (error.where().empty() ? "" : " (" + error.where() + ")"), where);
+        }
     }
 
 } // namespace
@@ -115,35 +144,41 @@ std::vector<BatchJob> read_sweep(const fs::path& file)
     std::vector<std::string> asked;
     if (json.contains("approaches"))
         asked = texts(json["approaches"], file.string() + "#/approaches");
+    if (json.contains("approaches") && asked.empty())
+        throw InputError("name an approach, or leave the key out for all of them", file.string() + "#/approaches");
     std::vector<Variant> variants = variants_of(json, file.string());
     if (renders(json, file.string()))
         for (Variant& variant : variants)
             variant.options.emplace_back("--render");
+    std::vector<planner::Case> opened;
+    std::vector<fs::path> files;
+    for (std::size_t n = 0; n < cases.size(); ++n) {
+        const fs::path path = fs::absolute(file.parent_path() / cases[n]).lexically_normal();
+        opened.push_back(read_named_case(path, cases[n], file.string() + "#/cases/" + std::to_string(n)));
+        files.push_back(opened.back().file());
+    }
+    const std::vector<std::string> case_of = case_names(files);
     std::vector<BatchJob> jobs;
     std::set<std::string> names;
     for (std::size_t n = 0; n < cases.size(); ++n) {
-        const std::string where = file.string() + "#/cases/" + std::to_string(n);
-        const fs::path path = fs::absolute(file.parent_path() / cases[n]).lexically_normal();
         std::vector<std::string> approaches = asked;
-        try {
-            const planner::Case planned_case = planner::read_case(path);
-            for (const std::string& name : asked)
-                static_cast<void>(planner::find_approach(planned_case, name));
-            if (asked.empty())
-                for (const planner::Approach& approach : planned_case.approaches)
-                    approaches.push_back(approach.name);
-        } catch (const Error& error) {
-            throw InputError(cases[n] + ": " + error.what(), where);
-        }
+        for (const std::string& name : asked)
+            try {
+                static_cast<void>(planner::find_approach(opened[n], name));
+            } catch (const InputError& error) {
+                throw InputError(cases[n] + ": " + error.what(), file.string() + "#/cases/" + std::to_string(n));
+            }
+        if (asked.empty())
+            for (const planner::Approach& approach : opened[n].approaches)
+                approaches.push_back(approach.name);
         for (const std::string& approach : approaches)
             for (const Variant& variant : variants) {
-                const std::string wanted = file_name(
-                    case_name(path) + "-" + approach + (variant.name.empty() ? std::string() : "-" + variant.name));
-                std::string name = wanted;
-                for (int number = 2; !names.insert(name).second; ++number)
-                    name = wanted + "-" + std::to_string(number);
+                const std::string name = file_name(
+                    case_of[n] + "-" + approach + (variant.name.empty() ? std::string() : "-" + variant.name));
+                if (!names.insert(name).second)
+                    throw InputError("two jobs would have the name " + name, file.string());
                 jobs.push_back({ .name = name,
-                    .case_file = path,
+                    .case_file = files[n],
                     .approach = approach,
                     .variant = variant.name,
                     .options = variant.options });

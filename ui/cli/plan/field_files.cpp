@@ -366,12 +366,13 @@ namespace {
         for (const planner::PlannedField& field : fields) {
             if (!is_measured(field))
                 continue;
-            std::string scene = bytes < kMostBytes ? field_view(patient, field) : std::string();
-            bytes += scene.size();
-            if (scene.empty() || bytes > kMostBytes)
+            std::string scene = field_view(patient, field);
+            if (bytes + scene.size() > kMostBytes) {
                 without.push_back(field.metrics.name);
-            else
-                report.views.push_back({ .approach = field.metrics.name, .scene = std::move(scene) });
+                continue;
+            }
+            bytes += scene.size();
+            report.views.push_back({ .approach = field.metrics.name, .scene = std::move(scene) });
         }
         report.viewer = field_viewer();
         if (!without.empty())

@@ -57,7 +57,7 @@ namespace {
     std::pair<double, double> parse_span(const std::string& text, const std::string& where)
     {
         const std::vector<std::string> parts = split(text, '-');
-        if (parts.empty() || parts.size() > 2)
+        if (parts.empty() || parts.size() > 2 || text.ends_with('-'))
             throw InputError("give one number, or two with \"-\" between them", where);
         const double first = parse_numbers(parts.front(), 1, where).front();
         return { first, parts.size() == 1 ? first : parse_numbers(parts.back(), 1, where).front() };
@@ -78,8 +78,9 @@ namespace {
             std::tie(limits.shortest_mm, limits.longest_mm) = parse_span(options.length, "--length");
         if (!options.spaces.empty()) {
             const auto [highest, lowest] = parse_span(options.spaces, "--spaces");
-            if (highest != std::floor(highest) || lowest != std::floor(lowest))
-                throw InputError("spaces are whole numbers", "--spaces");
+            constexpr double kMost = 100.0; // more than any body has; the search names the range
+            if (highest != std::floor(highest) || lowest != std::floor(lowest) || !(lowest < kMost && highest < kMost))
+                throw InputError("spaces are whole numbers from 1 to 11", "--spaces");
             limits.highest_space = static_cast<int>(highest);
             limits.lowest_space = static_cast<int>(lowest);
         }
@@ -188,6 +189,31 @@ namespace {
         return group;
     }
 
+    /// Plans all approaches. One that cannot be planned does not stop the others: its message tells why.
+    std::vector<planner::PlannedField> plans_of(
+        planner::Patient& patient, const Job& job, const planner::PlanChecks& checks)
+    {
+        try {
+            return planner::plan_all(patient, job, checks);
+        } catch (const InputError&) { // one of them; the others follow one by one
+        } catch (const SolverError&) {
+        }
+        std::vector<planner::PlannedField> fields;
+        for (const planner::Approach& approach : patient.planned_case().approaches) {
+            refuse_if_cancelled(job);
+            try {
+                fields.push_back(planner::plan_approach(patient, approach, job, checks));
+            } catch (const Error& error) {
+                planner::PlannedField failed;
+                failed.status = planner::PlanStatus::nothing_to_mesh;
+                failed.message = error.what();
+                failed.approach = approach;
+                fields.push_back(std::move(failed));
+            }
+        }
+        return fields;
+    }
+
     void add_drafts(Planned& planned, const planner::Case& planned_case, std::vector<Proposal> proposals,
         const planner::IncisionSearch& search, double least_seen, const Job& job)
     {
@@ -196,7 +222,7 @@ namespace {
         const planner::PlanChecks checks { .error_bars = false, .draft = true };
         planner::check_plan(group, checks);
         planner::Patient patient(group, job);
-        std::vector<planner::PlannedField> fields = planner::plan_all(patient, job, checks);
+        std::vector<planner::PlannedField> fields = plans_of(patient, job, checks);
         refuse_if_cancelled(job);
         add_plans(planned, std::move(proposals), std::move(fields), patient, search, least_seen);
     }
@@ -262,7 +288,7 @@ namespace {
         return planned;
     }
 
-    /// The best five, planned as retractor plan does.
+    /// The best five, each on one mesh, with error bars.
     Planned full_plans(const planner::Case& planned_case, const Planned& drafts, const planner::IncisionSearch& search,
         const planner::SearchRequest& request, const Job& job)
     {
@@ -272,7 +298,7 @@ namespace {
         const planner::PlanChecks checks { .find_region = true };
         planner::check_plan(group, checks);
         planner::Patient patient(group, job);
-        std::vector<planner::PlannedField> fields = planner::plan_all(patient, job, checks);
+        std::vector<planner::PlannedField> fields = plans_of(patient, job, checks);
         refuse_if_cancelled(job);
         Planned full;
         add_plans(full, std::move(best), std::move(fields), patient, search, request.limits.least_seen);
@@ -290,8 +316,8 @@ namespace {
             points.push_back({ point.x(), point.y(), point.z() });
         return { { "place", planner::place_in_words(incision) }, { "length_mm", incision.length_mm },
             { "opening_mm", incision.opening_mm }, { "points_without_force", incision.points_of_100 },
-            { "seen_best_eye", field.seen_best_eye },
-            { "reached_by_two_instruments", field.reached_by_two_instruments },
+            { "seen_of_what_can_be_seen", field.seen_best_eye },
+            { "reached_of_what_can_be_seen", field.reached_by_two_instruments },
             { "coaxiality_deg", field.coaxiality_deg }, { "points_mm", points } };
     }
 
@@ -380,6 +406,17 @@ namespace {
         return kept;
     }
 
+    /// Why no incision is proposed.
+    std::string nothing_found(const planner::IncisionSearch& search, const planner::SearchRequest& request)
+    {
+        const auto near
+            = std::ranges::count_if(search.tried, [](const planner::TriedPlace& place) { return place.near_risk; });
+        return "none of " + std::to_string(search.tried.size()) + " incisions is a proposal: " + std::to_string(near)
+            + " lie within " + in_words(request.limits.from_risk_mm)
+            + " mm of a structure at risk, the others show less than " + in_words(100.0 * request.limits.least_seen)
+            + " % of the target" + (search.missing.empty() ? "" : "; not tried: " + joined(search.missing));
+    }
+
     Outcome search(const SearchOptions& options, const Job& job)
     {
         const planner::Case planned_case = open_case(options.case_file);
@@ -391,10 +428,7 @@ namespace {
         const planner::IncisionSearch found = planner::search_incisions(patient, request, job);
         refuse_if_cancelled(job);
         if (found.found.empty())
-            throw InputError("of " + std::to_string(found.tried.size()) + " incisions none shows "
-                    + planner::two_digits(options.least_seen_percent) + " % of the target"
-                    + (found.missing.empty() ? "" : "; not tried: " + joined(found.missing)),
-                options.case_file);
+            throw InputError(nothing_found(found, request), options.case_file);
         Outcome outcome = sweep_outcome(found, request);
         std::vector<std::string> refused;
         std::vector<Proposal> proposals = proposals_of(patient, found, request, options.drafts, refused);
@@ -409,14 +443,14 @@ namespace {
             planned = full_plans(planned_case, planned, found, request, job);
             add_planned(outcome, planned, request.weights, "Full plans of the best", "plans");
         }
+        if (folder) {
+            write_results(options.out, patient, found, planned, outcome.document, job);
+            outcome.text += "wrote " + options.out + "/search-map.png and search.json\n";
+        }
         if (options.keep && !planned.proposals.empty()) {
             const std::vector<std::string> kept = keep_best(options.case_file, planned);
             outcome.document["kept"] = kept;
             outcome.text += "added to the case: " + joined(kept) + "\n";
-        }
-        if (folder) {
-            write_results(options.out, patient, found, planned, outcome.document, job);
-            outcome.text += "wrote " + options.out + "/search-map.png and search.json\n";
         }
         outcome.exit_code = planned.fields.empty() ? 1 : 0;
         return outcome;
@@ -451,8 +485,12 @@ void add_search_command(Commands& commands)
             "wall removed")
         ->check(in_range(0.0, 100.0))
         ->capture_default_str();
-    command->add_flag("--anywhere", options->anywhere,
-        "Straight lines anywhere on the skin, in any direction, instead of spaces and sternum; no bone gives way");
+    command
+        ->add_flag("--anywhere", options->anywhere,
+            "Straight lines anywhere on the skin, in any direction, instead of spaces and sternum; no bone gives way")
+        ->excludes("--side")
+        ->excludes("--spaces")
+        ->excludes("--no-saw");
     command
         ->add_option("--retract", options->retracted,
             "Organs that are held aside besides lungs, pericardium and fat of the mediastinum, separated by commas")
@@ -478,7 +516,8 @@ void add_search_command(Commands& commands)
     command->add_option("--drafts", options->drafts, "Number of incisions that are planned as drafts")
         ->check(CLI::Range(1, 40))
         ->capture_default_str();
-    command->add_flag("--full", options->full, "Then plan the best five in full, as retractor plan does");
+    command->add_flag(
+        "--full", options->full, "Then plan the best five on one mesh each, with the case's elements and error bars");
     command->add_flag("--keep", options->keep, "Add the best five to the case");
     command->add_option("--seed", options->seed, "Shifts the places that are tried first")->capture_default_str();
     command->add_option(

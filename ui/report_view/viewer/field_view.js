@@ -11,6 +11,7 @@ import vtkGenericRenderWindow from '@kitware/vtk.js/Rendering/Misc/GenericRender
 import vtkMapper from '@kitware/vtk.js/Rendering/Core/Mapper';
 import vtkOrientationMarkerWidget from '@kitware/vtk.js/Interaction/Widgets/OrientationMarkerWidget';
 import vtkPolyData from '@kitware/vtk.js/Common/DataModel/PolyData';
+import vtkSphereSource from '@kitware/vtk.js/Filters/Sources/SphereSource';
 
 // ---- the scene's numbers --------------------------------------------------------------------------------------------
 
@@ -65,6 +66,37 @@ function normalsOf(positions, cells) {
   return normals;
 }
 
+// ---- how much is seen -----------------------------------------------------------------------------------------------
+
+// From 0 to 1, dark to bright: after viridis, so that it reads without colours, too.
+const SCALE = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+
+function colorOf(share) {
+  const at = Math.min(Math.max(share, 0), 1) * (SCALE.length - 1);
+  const low = Math.min(Math.floor(at), SCALE.length - 2);
+  return SCALE[low].map((value, k) => value + (at - low) * (SCALE[low + 1][k] - value));
+}
+
+function colorsOf(base64) {
+  const shares = new Uint8Array(bytesOf(base64));
+  const colors = new Uint8Array(3 * shares.length);
+  shares.forEach((share, n) => colors.set(colorOf(share / 255), 3 * n));
+  return colors;
+}
+
+// The eyes over which the mean is taken, each in the colour of the share that it sees.
+function makeEyes(eyes) {
+  return eyes.map(([x, y, z, share]) => {
+    const sphere = vtkSphereSource.newInstance({ center: [x, y, z], radius: 7, thetaResolution: 12, phiResolution: 12 });
+    const mapper = vtkMapper.newInstance();
+    mapper.setInputConnection(sphere.getOutputPort());
+    const actor = vtkActor.newInstance();
+    actor.setMapper(mapper);
+    actor.getProperty().setColor(...colorOf(share).map((value) => value / 255));
+    return actor;
+  });
+}
+
 // ---- one surface ----------------------------------------------------------------------------------------------------
 
 function makeSurface(item, box) {
@@ -81,6 +113,12 @@ function makeSurface(item, box) {
     );
   setNormals();
   const mapper = vtkMapper.newInstance({ scalarVisibility: false });
+  if (item.seen) {
+    data.getPointData().setScalars(
+      vtkDataArray.newInstance({ name: 'seen', numberOfComponents: 3, values: colorsOf(item.seen) })
+    );
+    mapper.setColorModeToDirectScalars();
+  }
   mapper.setInputData(data);
   const actor = vtkActor.newInstance();
   actor.setMapper(mapper);
@@ -94,6 +132,9 @@ function makeSurface(item, box) {
   return {
     layer: item.layer,
     actor,
+    showSeen(shown) {
+      mapper.setScalarVisibility(shown && Boolean(item.seen));
+    },
     // Moves the surface from rest (0) to the planned opening (1).
     open(share) {
       if (!rest) {
@@ -142,6 +183,37 @@ function letWheelScroll(canvas) {
   canvas.addEventListener('pointerdown', () => { taken = true; }, true);
   canvas.addEventListener('pointerleave', () => { taken = false; });
   canvas.addEventListener('wheel', (event) => taken || event.stopPropagation(), true);
+}
+
+function checkbox(parent, text, checked, onChange) {
+  const box = document.createElement('input');
+  Object.assign(box, { type: 'checkbox', checked });
+  box.addEventListener('change', () => onChange(box.checked));
+  const label = document.createElement('label');
+  label.append(box, ` ${text}`);
+  parent.appendChild(label);
+}
+
+// The target in the colours of the number of eyes that see it, and the eyes in those of the share that they see.
+function addSeen(controls, renderer, surfaces, eyes, update) {
+  const balls = makeEyes(eyes.places.map(([x, y, z, share]) => [x, y, z, share / eyes.largest_share]));
+  balls.forEach((ball) => {
+    ball.setVisibility(false);
+    renderer.addActor(ball);
+  });
+  const key = document.createElement('div');
+  key.className = 'field-view-hint';
+  key.hidden = true;
+  key.textContent = `The target is dark where none of the ${eyes.places.length} eyes of the cone sees it, and bright where `
+    + `${eyes.most_that_see} of them do. A ball is one of these eyes: dark where it sees nothing of the target, bright `
+    + `where it sees ${(100 * eyes.largest_share).toFixed(1)} % of its area.`;
+  checkbox(controls, 'what eyes see', false, (checked) => {
+    surfaces.forEach((surface) => surface.showSeen(checked));
+    balls.forEach((ball) => ball.setVisibility(checked));
+    key.hidden = !checked;
+    update();
+  });
+  controls.appendChild(key);
 }
 
 function show(host, scene) {
@@ -204,26 +276,33 @@ function show(host, scene) {
   });
   controls.appendChild(opening);
   for (const layer of scene.layers) {
-    const box = document.createElement('input');
-    Object.assign(box, { type: 'checkbox', checked: true });
-    box.addEventListener('change', () => {
-      box.checked ? hidden.delete(layer.key) : hidden.add(layer.key);
+    checkbox(controls, layer.name, true, (checked) => {
+      checked ? hidden.delete(layer.key) : hidden.add(layer.key);
       update();
     });
-    const label = document.createElement('label');
-    label.append(box, ` ${layer.name}`);
-    controls.appendChild(label);
+  }
+  if (scene.eyes) {
+    addSeen(controls, renderer, surfaces, scene.eyes, update);
   }
 
   view.resize();
   addCube(view.getInteractor());
-  new ResizeObserver(() => view.resize()).observe(canvas);
+  const resizing = new ResizeObserver(() => view.resize());
+  resizing.observe(canvas);
   open();
   look(scene.surgeon);
   host.dataset.state = 'shown';
+  shown.push({
+    host,
+    close() {
+      resizing.disconnect();
+      view.delete();
+    },
+  });
 }
 
 function start(host) {
+  giveWay();
   try {
     show(host, JSON.parse(document.getElementById(host.dataset.scene).textContent));
   } catch (error) {
@@ -232,7 +311,22 @@ function start(host) {
   }
 }
 
-// A view is made when the reader comes to it: a browser holds few of them at once.
+// A browser holds few views at once: the one that was made first gives way, and can be called again.
+const MOST_VIEWS = 8;
+const shown = [];
+
+function giveWay() {
+  if (shown.length < MOST_VIEWS) {
+    return;
+  }
+  const { host, close } = shown.shift();
+  close();
+  host.textContent = '';
+  host.dataset.state = 'closed';
+  button(host, 'Show the view again', () => start(host));
+}
+
+// A view is made when the reader comes to it.
 const observer = new IntersectionObserver((entries) => {
   for (const entry of entries.filter((one) => one.isIntersecting)) {
     observer.unobserve(entry.target);

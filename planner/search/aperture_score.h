@@ -2,6 +2,7 @@
 // What a hole in the wall at rest shows of the target and costs, for the search. Units mm; frame patient LPS.
 
 #include "mesh/base/job.h"
+#include "planner/approach/intercostal_space.h"
 #include "planner/case/approach.h"
 #include "planner/case/patient.h"
 #include "planner/measures/ranking.h"
@@ -26,6 +27,12 @@ enum class ApertureKind {
     skin, ///< no bone gives way, both lungs are held aside
 };
 inline constexpr std::size_t kApertureKinds = 4;
+
+/// The kind of an incision over a space.
+inline ApertureKind kind_over(const SpaceNumber& space)
+{
+    return space.left ? ApertureKind::left_space : ApertureKind::right_space;
+}
 
 /// The organs that are held aside for a target: lungs of the operated side, fat of the mediastinum and pericardium, and
 /// others that are asked for. @throws InputError on an asked label that is not in the table or is wall

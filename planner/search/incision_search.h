@@ -11,7 +11,6 @@
 // skin, each shifted by the seed, and then steps from the best of them, halving the steps.
 
 #include "mesh/base/job.h"
-#include "planner/approach/approach_draft.h"
 #include "planner/case/approach.h"
 #include "planner/case/patient.h"
 #include "planner/measures/ranking.h"
@@ -94,18 +93,5 @@ Weights weights_without_force(Weights weights);
 /// @throws InputError on limits out of order, a target or an organ that the case does not have, an unknown retractor,
 /// and missing landmarks, unless the search is anywhere
 IncisionSearch search_incisions(Patient& patient, const SearchRequest& request, const Job& job = {});
-
-/// The approach with this incision, as templates and drawn points make it. Its name is that of the place:
-/// "left_space_4_110mm".
-/// @throws InputError as approach_from_template(), approach_from_points() and opened_by() do, and where the incision
-/// has no room for all of its length
-Approach approach_of(Patient& patient, const FoundIncision& incision, const SearchRequest& request);
-
-/// What opens this incision. Usual are a sternal spreader for the sternum, a small retractor for an incision between
-/// ribs that is shorter than 100 mm, and a rib spreader for a longer one.
-OpenedBy opening_of(const FoundIncision& incision, const SearchRequest& request);
-
-/// "left intercostal space 4, at the side, 110 mm": the place in words.
-std::string place_in_words(const FoundIncision& incision);
 
 } // namespace retractor::planner

@@ -1,6 +1,7 @@
 #include "planner/search/incision_search.h"
 
 #include "mesh/base/error.h"
+#include "planner/search/found_approach.h"
 #include "tests/support/block_case.h"
 #include "tests/support/label_shapes.h"
 #include "tests/support/synthetic_chest.h"

@@ -9,6 +9,7 @@
 #include "planner/case/patient.h"
 #include "planner/measures/verdict.h"
 #include "planner/plan/plan.h"
+#include "planner/search/found_approach.h"
 #include "planner/search/incision_search.h"
 #include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/number_range.h"

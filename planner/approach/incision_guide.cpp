@@ -43,12 +43,33 @@ std::vector<LandmarkDistance> landmark_distances(Patient& patient, const Approac
     return landmarks;
 }
 
-std::vector<std::string> landmark_sentences(const std::vector<LandmarkDistance>& landmarks)
+namespace {
+
+    /// "82 mm right of the midline".
+    std::string beside_midline(const AnatomicalFrame& frame, const Vec3& on_midline, const Vec3& point)
+    {
+        constexpr double kOnItMm = 5.0;
+        const double left_mm = frame.left.dot(point - on_midline);
+        if (std::abs(left_mm) < kOnItMm)
+            return "on the midline";
+        return in_words(std::round(std::abs(left_mm))) + " mm to the patient's " + (left_mm > 0.0 ? "left" : "right")
+            + " of the midline";
+    }
+
+} // namespace
+
+std::vector<std::string> theatre_sentences(Patient& patient, const Approach& approach)
 {
+    const std::vector<LandmarkDistance> landmarks = landmark_distances(patient, approach);
     std::vector<std::string> sentences;
+    if (landmarks.empty())
+        return sentences;
+    const AnatomicalFrame frame = patient.frame();
+    sentences.push_back("The incision starts " + beside_midline(frame, landmarks.front().at, approach.incision.front())
+        + " and ends " + beside_midline(frame, landmarks.front().at, approach.incision.back()) + ".");
     for (const LandmarkDistance& landmark : landmarks)
         sentences.push_back("From the " + landmark.landmark + " " + in_words(std::round(landmark.to_start_mm))
-            + " mm to the incision's start and " + in_words(std::round(landmark.to_end_mm))
+            + " mm to its start and " + in_words(std::round(landmark.to_end_mm))
             + " mm to its end, in a straight line.");
     return sentences;
 }

@@ -22,9 +22,10 @@ struct LandmarkDistance {
 /// Patient::labels()
 std::vector<LandmarkDistance> landmark_distances(Patient& patient, const Approach& approach);
 
-/// "From the jugular notch 45 mm to the incision's start and 190 mm to its end, in a straight line.": one sentence
-/// each.
-std::vector<std::string> landmark_sentences(const std::vector<LandmarkDistance>& landmarks);
+/// What to check on the skin: the side and distance of both ends from the midline, and "From the jugular notch 45 mm to
+/// its start and 190 mm to its end, in a straight line.". Empty where the labels show no sternum.
+/// @throws as landmark_distances()
+std::vector<std::string> theatre_sentences(Patient& patient, const Approach& approach);
 
 /// A closed ribbon on the skin along the incision, with a slit where the knife goes: a guide to print.
 /// @param width_mm of the ribbon on each side of the slit, @param slit_mm width of the slit, @param thickness_mm height

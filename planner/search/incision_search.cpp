@@ -7,6 +7,7 @@
 #include "mesh/base/triangle.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/approach/retractors.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/search/aperture_score.h"
 
 #include <Eigen/Geometry>
@@ -61,14 +62,31 @@ namespace {
         std::vector<ApertureSection> sections;
     };
 
+    InputError without_landmarks(const InputError& error)
+    {
+        return InputError(std::string(error.what())
+                + "; without landmarks an incision can be searched anywhere on the skin, and not between ribs",
+            error.where(), { "anywhere" });
+    }
+
+    /// Refuses a target that is cut, before thousands of trials.
+    void check_target(const mesh::LabelTable& table, const TargetSpec& target)
+    {
+        if (const mesh::LabelInfo* info = mesh::find_label(table, target.label);
+            !target.is_sphere() && info != nullptr && mesh::is_wall(*info))
+            throw InputError(
+                "\"" + target.label + "\" is a part of the wall, which is cut: choose an organ, or a sphere", "target",
+                { "target" });
+    }
+
     /// The patient's axes. A search anywhere does without landmarks.
     AnatomicalFrame frame_of(Patient& patient, bool anywhere)
     {
         try {
             return patient.frame();
-        } catch (const InputError&) {
+        } catch (const InputError& error) {
             if (!anywhere)
-                throw;
+                throw without_landmarks(error);
             return {
                 .origin = Vec3::Zero(), .superior = Vec3::UnitZ(), .anterior = -Vec3::UnitY(), .left = Vec3::UnitX()
             };
@@ -194,9 +212,7 @@ namespace {
             incision->kind = FoundIncision::Kind::space;
             incision->space = line.space;
             incision->along_mm = trial.along_mm;
-            const auto nearest = std::ranges::min_element(
-                line.places, {}, [&](const LinePlace& place) { return std::abs(place.along_mm - trial.along_mm); });
-            incision->angle_deg = nearest->angle_deg;
+            incision->angle_deg = angle_round_chest_deg(frame, incision->middle);
             return Tried { trial, *std::move(incision), *sections };
         }
 
@@ -289,8 +305,7 @@ namespace {
         try {
             return patient.anatomy();
         } catch (const InputError& error) {
-            throw InputError(std::string(error.what())
-                + "; without landmarks an incision can be searched anywhere on the skin, and not between ribs");
+            throw without_landmarks(error);
         }
     }
 
@@ -563,6 +578,7 @@ Weights weights_without_force(Weights weights)
 IncisionSearch search_incisions(Patient& patient, const SearchRequest& request, const Job& job)
 {
     check_limits(request);
+    check_target(patient.planned_case().label_table, request.target);
     const Stopwatch watch;
     IncisionSearch result;
     Search search(patient, request, job);

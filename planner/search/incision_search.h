@@ -29,7 +29,7 @@ struct SearchLimits {
     int highest_space = 1, lowest_space = 11;
     bool saw = true; ///< the sternum may be sawn through
     double from_risk_mm = 2.0; ///< the blade keeps this distance from structures at risk; about a voxel
-    double least_seen = 0.01; ///< of FoundIncision::seen; what shows less is no proposal
+    double least_seen = 0.05; ///< of FoundIncision::seen; what shows less is no proposal
 };
 
 /// Openings that a plan can compute on most patients, mm. Surgeons may open wider.

@@ -94,7 +94,8 @@ namespace {
 
     std::vector<LegendLine> legend_of(const Range& range, const std::vector<MappedIncision>& incisions)
     {
-        std::vector<LegendLine> lines { { "score of an incision whose middle is there", "" } };
+        std::vector<LegendLine> lines { { "score by rays, before planning, of an incision whose middle is there",
+            "" } };
         const double step = (range.high - range.low) / static_cast<double>(kScale.size());
         for (std::size_t n = kScale.size(); n-- > 0;) {
             const double from = range.low + step * static_cast<double>(n);
@@ -102,6 +103,8 @@ namespace {
         }
         lines.push_back({ "too near a structure at risk", " ", kNearRisk });
         lines.push_back({ "not tried", " ", kNotTried });
+        if (incisions.empty())
+            lines.push_back({ "no incision could be proposed", "" });
         for (const MappedIncision& incision : incisions)
             lines.push_back({ incision.sign, incision.words });
         return lines;

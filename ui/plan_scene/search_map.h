@@ -13,7 +13,7 @@ namespace retractor::ui {
 
 /// An incision on the map.
 struct MappedIncision {
-    std::string sign; ///< "1"
+    std::string sign; ///< "A"
     std::string words; ///< for the legend
     std::vector<Vec3> points;
 };

@@ -350,7 +350,9 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         for (std::size_t n = 0; n < report.views.size(); ++n)
             if (report.views[n].approach == approach)
                 out << "<div class=\"field-view\" data-scene=\"scene-" << n
-                    << "\">The interactive view needs JavaScript. The pictures below show the same field.</div>"
+                    << "\">The interactive view appears here when it comes into sight; it needs JavaScript. The "
+                       "pictures below show the same "
+                       "field.</div>"
                     << "<script type=\"application/json\" id=\"scene-" << n << "\">" << report.views[n].scene
                     << "</script>";
     }

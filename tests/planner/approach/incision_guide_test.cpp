@@ -84,8 +84,15 @@ namespace incision_guide_test {
         EXPECT_NEAR(landmarks[0].to_end_mm, length + 10.0, 2.0 * kVoxelMm);
         EXPECT_NEAR(landmarks[1].to_start_mm, length + 10.0, 2.0 * kVoxelMm);
         EXPECT_NEAR(landmarks[1].to_end_mm, 10.0, kVoxelMm);
-        const std::vector<std::string> sentences = landmark_sentences(landmarks);
-        EXPECT_TRUE(sentences[0].starts_with("From the jugular notch ")) << sentences[0];
+        const std::vector<std::string> sentences = theatre_sentences(chest(), approach);
+        ASSERT_EQ(sentences.size(), 3U);
+        EXPECT_EQ(sentences[0], "The incision starts on the midline and ends on the midline.");
+        EXPECT_TRUE(sentences[1].starts_with("From the jugular notch ")) << sentences[1];
+        for (const bool left : { true, false }) { // the side is said
+            const std::string side = theatre_sentences(chest(), approach_of(left ? "midcab" : "right-lateral")).front();
+            EXPECT_NE(side.find(left ? "to the patient's left of" : "to the patient's right of"), std::string::npos);
+            EXPECT_EQ(side.find(left ? "right" : "left"), std::string::npos) << side;
+        }
     }
 
     TEST(IncisionGuide, MarkupIsACurveThroughTheIncision)

@@ -232,13 +232,14 @@ namespace {
         outcome.document["counts"] = counts;
         outcome.document["skipped"] = skipped;
         outcome.document["seconds"] = seconds;
-        outcome.text = formatted("%zu jobs: %zu done, %zu failed, %zu not begun; %zu were done or failed before\n",
+        outcome.text = formatted("%zu jobs: %zu done, %zu failed, %zu not begun; %zu of them are of earlier runs\n",
                            rows.size(), counts["done"], counts["failed"], counts["not begun"], skipped)
             + failed
             + (ended > 0 ? formatted(
                    "%.0f s, %.1f s of one process per job\n", seconds, job_seconds / static_cast<double>(ended))
                          : std::string())
-            + "wrote " + (folder / "summary.html").string() + " and summary.csv\n";
+            + (counts["not begun"] > 0 ? "interrupted: the same command goes on\n" : "") + "wrote "
+            + (folder / "summary.html").string() + " and summary.csv\n";
         outcome.exit_code = counts["done"] == rows.size() ? 0 : 1;
         return outcome;
     }

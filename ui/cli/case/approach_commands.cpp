@@ -416,7 +416,7 @@ namespace {
             outcome.document["landmarks"].push_back(
                 { { "landmark", landmark.landmark }, { "at_mm", { landmark.at.x(), landmark.at.y(), landmark.at.z() } },
                     { "to_start_mm", landmark.to_start_mm }, { "to_end_mm", landmark.to_end_mm } });
-        for (const std::string& sentence : planner::landmark_sentences(landmarks))
+        for (const std::string& sentence : planner::theatre_sentences(patient, approach))
             outcome.text += sentence + "\n";
         if (landmarks.empty())
             outcome.text += "no landmark: the labels show no sternum\n";

@@ -20,6 +20,7 @@ namespace {
         { "accept_implausible", "--accept-implausible" },
         { "accept_labels", "--accept-labels" },
         { "accuracy", "--accuracy" },
+        { "anywhere", "--anywhere" },
         { "autosegment", "--autosegment" },
         { "check", "--check" },
         { "contact", "--contact" },

@@ -398,8 +398,7 @@ void write_field_report(const std::filesystem::path& folder, planner::Patient& p
         if (is_measured(field)) {
             report.fields.push_back(field.metrics);
             report.divided_bones.push_back(planner::divided_bones(*labels, field.approach));
-            report.landmarks.push_back(
-                planner::landmark_sentences(planner::landmark_distances(patient, field.approach)));
+            report.landmarks.push_back(planner::theatre_sentences(patient, field.approach));
         }
     report.pictures = pictures;
     for (const planner::PlannedField& field : fields)

@@ -7,6 +7,7 @@
 #include "planner/approach/divided_bones.h"
 #include "planner/case/case_io.h"
 #include "planner/case/patient.h"
+#include "planner/measures/comparison.h"
 #include "planner/measures/verdict.h"
 #include "planner/plan/plan.h"
 #include "planner/search/found_approach.h"
@@ -125,8 +126,6 @@ namespace {
         std::vector<Proposal> proposals;
         planner::Case names;
         for (const planner::FoundIncision& incision : best_of(search.found, count)) {
-            if (proposals.size() == count)
-                break;
             try {
                 planner::Approach approach = planner::approach_of(patient, incision, request);
                 approach.name = planner::free_approach_name(names, approach.name);
@@ -159,7 +158,8 @@ namespace {
         const double seen = field.metrics.seen_best_eye * field.metrics.best_eye.bound_area_mm2
             / std::max(search.largest_bound_mm2, field.metrics.best_eye.bound_area_mm2);
         return seen < least_seen ? "shows " + planner::two_digits(100.0 * seen)
-                + " % of what could be seen from anywhere with the wall removed"
+                + " % of what could be seen from anywhere with the wall removed ("
+                + planner::two_digits(100.0 * field.metrics.seen_best_eye) + " % of what its own eyes could see)"
                                  : std::string();
     }
 
@@ -275,16 +275,27 @@ namespace {
         planned = std::move(sorted);
     }
 
-    /// Draft plans of the best incisions, and of some of them opened less wide; the highest score first.
-    Planned draft_plans(const planner::Case& planned_case, std::vector<Proposal> proposals,
-        const planner::IncisionSearch& search, const planner::SearchRequest& request, const Job& job)
+    /// Draft plans of the best incisions, and of some of them opened less wide; the highest score first. Where none of
+    /// these can be proposed, the next ones follow.
+    Planned draft_plans(const planner::Case& planned_case, const std::vector<Proposal>& proposals,
+        std::size_t at_a_time, const planner::IncisionSearch& search, const planner::SearchRequest& request,
+        const Job& job)
     {
+        constexpr std::size_t kRounds = 3;
         Planned planned;
         const double least_seen = request.limits.least_seen;
-        if (!proposals.empty())
-            add_drafts(planned, planned_case, std::move(proposals), search, least_seen, job);
-        if (std::vector<Proposal> second = narrower(planned, request); !second.empty())
-            add_drafts(planned, planned_case, std::move(second), search, least_seen, job);
+        for (std::size_t round = 0; round < kRounds && planned.fields.empty(); ++round) {
+            const std::size_t first = std::min(round * at_a_time, proposals.size()),
+                              last = std::min(first + at_a_time, proposals.size());
+            if (first == last)
+                break;
+            add_drafts(planned, planned_case,
+                { proposals.begin() + std::ptrdiff_t(first), proposals.begin() + std::ptrdiff_t(last) }, search,
+                least_seen, job);
+            if (std::vector<Proposal> second = narrower(planned, request); !second.empty())
+                add_drafts(planned, planned_case, std::move(second), search, least_seen, job);
+            planned.unsolved.clear();
+        }
         sort_by_score(planned, request.weights);
         return planned;
     }
@@ -336,6 +347,11 @@ namespace {
                 n + 1, incision.points_of_100, 100.0 * field.seen_best_eye, 100.0 * field.reached_by_two_instruments,
                 field.coaxiality_deg, planner::place_in_words(incision).c_str());
         }
+        constexpr int kHighSpace = 2;
+        if (std::ranges::any_of(search.found,
+                [](const planner::FoundIncision& one) { return one.space && one.space->number <= kHighSpace; }))
+            text += "Structures without a label are not considered: vessels and nerves of the arm cross the first two "
+                    "spaces.\n";
         return text;
     }
 
@@ -352,9 +368,9 @@ namespace {
                     && (other.points.back() - proposal.approach.incision.back()).norm() < 1.0;
             });
             if (same != incisions.end()) // opened less wide
-                same->sign += ", " + std::to_string(n + 1);
+                same->sign += ", " + planner::compared_letter(n);
             else
-                incisions.push_back({ .sign = std::to_string(n + 1),
+                incisions.push_back({ .sign = planner::compared_letter(n),
                     .words = planner::place_in_words(proposal.incision),
                     .points = proposal.approach.incision });
         }
@@ -371,8 +387,10 @@ namespace {
         const std::string& title, const char* key)
     {
         outcome.text += "\n" + title + ", best first:\n";
-        outcome.text += planned.fields.empty() ? "No incision of these can be proposed.\n"
-                                               : comparison_text(planned.fields, weights, Marks::leader);
+        outcome.text += planned.fields.empty()
+            ? "No incision of these can be proposed. Try a smaller --opening, another "
+              "--retractor or --hooks, or more --drafts.\n"
+            : comparison_text(planned.fields, weights, Marks::leader);
         for (const std::string& why : planned.failed)
             outcome.text += "no proposal: " + why + "\n";
         outcome.document[key] = planned.fields.empty() ? Json::object() : comparison_document(planned.fields, weights);
@@ -432,12 +450,12 @@ namespace {
             throw InputError(nothing_found(found, request), options.case_file);
         Outcome outcome = sweep_outcome(found, request);
         std::vector<std::string> refused;
-        std::vector<Proposal> proposals = proposals_of(patient, found, request, options.drafts, refused);
+        const std::vector<Proposal> proposals = proposals_of(patient, found, request, options.drafts, refused);
         for (const std::string& why : refused)
             outcome.text += "does not fit: " + why + "\n";
         outcome.document["does_not_fit"] = refused;
         const Stopwatch watch;
-        Planned planned = draft_plans(planned_case, std::move(proposals), found, request, job);
+        Planned planned = draft_plans(planned_case, proposals, options.drafts, found, request, job);
         outcome.document["draft_seconds"] = watch.seconds();
         add_planned(outcome, planned, request.weights, formatted("Draft plans (%.0f s)", watch.seconds()), "drafts");
         if (options.full && !planned.fields.empty()) {
@@ -451,7 +469,10 @@ namespace {
         if (options.keep && !planned.proposals.empty()) {
             const std::vector<std::string> kept = keep_best(options.case_file, planned);
             outcome.document["kept"] = kept;
-            outcome.text += "added to the case: " + joined(kept) + "\n";
+            outcome.text += "added to the case: " + joined(kept)
+                + "\nplan them with retractor plan, then compare; they hold the pericardium aside, as no template "
+                  "between "
+                  "ribs but the mini-thoracotomies does\n";
         }
         outcome.exit_code = planned.fields.empty() ? 1 : 0;
         return outcome;

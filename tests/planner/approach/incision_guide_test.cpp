@@ -88,7 +88,7 @@ namespace incision_guide_test {
         ASSERT_EQ(sentences.size(), 3U);
         EXPECT_EQ(sentences[0], "The incision starts on the midline and ends on the midline.");
         EXPECT_TRUE(sentences[1].starts_with("From the jugular notch ")) << sentences[1];
-        for (const bool left : { true, false }) { // the side is said
+        for (const bool left : { true, false }) { // the sentence names the side
             const std::string side = theatre_sentences(chest(), approach_of(left ? "midcab" : "right-lateral")).front();
             EXPECT_NE(side.find(left ? "to the patient's left of" : "to the patient's right of"), std::string::npos);
             EXPECT_EQ(side.find(left ? "right" : "left"), std::string::npos) << side;

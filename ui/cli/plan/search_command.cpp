@@ -406,7 +406,7 @@ namespace {
         for (const planner::FoundIncision& incision : search.found)
             outcome.document["incisions"].push_back(incision_document(incision));
         for (const std::string& missing : search.missing)
-            outcome.text += "not tried: " + missing + "\n";
+            outcome.text += "no incision: " + missing + "\n";
         return outcome;
     }
 
@@ -433,7 +433,7 @@ namespace {
         return "none of " + std::to_string(search.tried.size()) + " incisions is a proposal: " + std::to_string(near)
             + " lie within " + in_words(request.limits.from_risk_mm)
             + " mm of a structure at risk, the others show less than " + in_words(100.0 * request.limits.least_seen)
-            + " % of the target" + (search.missing.empty() ? "" : "; not tried: " + joined(search.missing));
+            + " % of the target" + (search.missing.empty() ? "" : "; " + joined(search.missing));
     }
 
     Outcome search(const SearchOptions& options, const Job& job)

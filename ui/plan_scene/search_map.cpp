@@ -125,33 +125,45 @@ Picture search_map(planner::Patient& patient, const planner::IncisionSearch& sea
     skin.look_of_label[kRefused] = Look { .color = kNearRisk };
 
     const planner::AnatomicalFrame frame = patient.frame();
+    struct View {
+        const char* title;
+        Vec3 towards; ///< from the patient to the reader
+    };
+    constexpr double kTurn = 0.9, kAbove = 0.1; // tangents of the angles from straight ahead
+    const std::array<View, 3> views { {
+        { "from the patient's right", frame.anterior - kTurn * frame.left + kAbove * frame.superior },
+        { "from the patient's left", frame.anterior + kTurn * frame.left + kAbove * frame.superior },
+        { "from behind", -frame.anterior + kAbove * frame.superior },
+    } };
     Picture picture { .width = width, .height = height, .viewports = {} };
-    constexpr double kTurn = 0.9; // tangent of the angle from straight ahead
-    for (const double side : { -1.0, 1.0 }) { // the patient's right stands on the picture's left
+    for (std::size_t n = 0; n < views.size(); ++n) {
         Scene scene;
-        scene.title = side > 0.0 ? "from the patient's left" : "from the patient's right";
+        scene.title = views[n].title;
         scene.surfaces = { skin };
         for (const MappedIncision& incision : incisions) {
             const Vec3& middle = incision.points[incision.points.size() / 2];
-            constexpr double kRoundMm = 20.0; // the front is seen from both sides
-            const bool in_sight = side * (middle - frame.origin).dot(frame.left) > -kRoundMm;
+            Vec3 outward = middle - frame.origin;
+            outward -= frame.superior.dot(outward) * frame.superior;
+            constexpr double kFacing = 0.3; // cosine; an incision that turns away is left to another view
+            if (outward.normalized().dot(views[n].towards.normalized()) < kFacing)
+                continue;
             scene.lines.push_back({ .name = incision.words,
                 .points = incision.points,
                 .color = { 0.85, 0.10, 0.10 },
                 .width_px = 5.0,
-                .on_top = in_sight });
-            if (in_sight)
-                scene.words.push_back({ .text = incision.sign, .position = middle, .color = { 1.0, 1.0, 1.0 } });
+                .on_top = true });
+            scene.words.push_back({ .text = incision.sign, .position = middle, .color = { 1.0, 1.0, 1.0 } });
         }
-        if (side > 0.0)
+        if (n + 1 == views.size()) {
             scene.legend = legend_of(range, incisions);
+            scene.legend_share = 0.7;
+        }
         const std::optional<Box> bounds = scene_bounds(scene);
         if (!bounds)
             throw InputError("the patient has no skin to draw");
-        scene.camera = camera_for_box(
-            *bounds, -(frame.anterior + side * kTurn * frame.left + 0.1 * frame.superior), frame.superior);
-        const double left = side > 0.0 ? 0.5 : 0.0;
-        picture.viewports.push_back({ .left = left, .right = left + 0.5, .scene = std::move(scene) });
+        scene.camera = camera_for_box(*bounds, -views[n].towards, frame.superior);
+        const double share = 1.0 / static_cast<double>(views.size()), left = share * static_cast<double>(n);
+        picture.viewports.push_back({ .left = left, .right = left + share, .scene = std::move(scene) });
     }
     return picture;
 }

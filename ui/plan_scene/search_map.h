@@ -18,7 +18,7 @@ struct MappedIncision {
     std::vector<Vec3> points;
 };
 
-/// The patient from the front, turned to the left and to the right.
+/// The patient from the right, from the left and from behind. An incision is drawn where it faces the reader.
 Picture search_map(planner::Patient& patient, const planner::IncisionSearch& search,
     const std::vector<MappedIncision>& incisions, int width, int height);
 

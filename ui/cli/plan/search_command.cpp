@@ -358,7 +358,7 @@ namespace {
     void write_results(const std::filesystem::path& folder, planner::Patient& patient,
         const planner::IncisionSearch& search, const Planned& planned, const Json& document, const Job& job)
     {
-        constexpr int kWidth = 1600, kHeight = 1000;
+        constexpr int kWidth = 2000, kHeight = 1000;
         StagedResults staged(folder);
         std::vector<MappedIncision> incisions;
         for (std::size_t n = 0; n < std::min(kBest, planned.proposals.size()); ++n) {

@@ -496,6 +496,9 @@ void write_report(const std::filesystem::path& path, const Report& report)
     write_pictures(out, report, "");
     for (const std::string& refusal : report.refused)
         out << "<p class=\"notice\">" << escaped(refusal) << "</p>";
+    for (const FieldMetrics& field : report.fields)
+        if (const std::string why = why_not_to_use(field); !why.empty())
+            out << "<p class=\"notice bad\">" << escaped(field.name) << ": " << escaped(why) << "</p>";
     write_crisis_check(out, report.fields, report.divided_bones);
     out << "<h2>Comparison</h2>";
     write_comparison(out, report.fields);

@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/verdict.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -383,6 +384,10 @@ namespace report_test {
         EXPECT_NE(
             html.find("a failed: these numbers are not to be believed: 2 % of the soft tissue"), std::string::npos);
         EXPECT_EQ(html.find("b failed"), std::string::npos);
+        // The first sentence of the page says so.
+        const std::size_t first = html.find("a: " + why_not_to_use(a));
+        ASSERT_NE(first, std::string::npos);
+        EXPECT_LT(first, html.find("Think of this first"));
     }
 
     TEST(Report, ImplausibleNumbersThatTheCaseAcceptsAreNamed)

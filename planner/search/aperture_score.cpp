@@ -1,6 +1,7 @@
 #include "planner/search/aperture_score.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/segment.h"
 #include "mesh/image/skeleton.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/measures/bones/bone_limits.h"
@@ -32,13 +33,6 @@ namespace {
         if (is_rib(bone.name) || bone.material == "cartilage")
             return true;
         return kind == ApertureKind::sternum && (bone.name == "sternum" || bone.name == "bone_other");
-    }
-
-    double distance_to_segment(const Vec3& point, const Vec3& a, const Vec3& b)
-    {
-        const Vec3 line = b - a;
-        const double t = std::clamp((point - a).dot(line) / line.squaredNorm(), 0.0, 1.0);
-        return (a + t * line - point).norm();
     }
 
 } // namespace

@@ -1,6 +1,7 @@
 #include "planner/wall/rib_joints.h"
 
 #include "mesh/base/assert.h"
+#include "mesh/base/segment.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -180,12 +181,6 @@ namespace {
         const Eigen::SelfAdjointEigenSolver<Mat3> principal(turning);
         const Vec3 axis = principal.eigenvectors().col(0);
         return { axis.dot(towards) < 0.0 ? Vec3(-axis) : axis, principal.eigenvalues()[0] };
-    }
-
-    double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b)
-    {
-        const double t = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-        return (p - a - t * (b - a)).norm();
     }
 
     /// The edges of bone round the line between both places, with shares in proportion to their squared length seen

@@ -24,7 +24,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
@@ -116,14 +115,6 @@ namespace {
         return { "exit code " + std::to_string(run.exit_code), false };
     }
 
-    /// Whether the folder holds the numbers of a plan.
-    bool has_numbers(const fs::path& folder)
-    {
-        std::ifstream in(folder / "metrics.json");
-        const Json json = Json::parse(in, nullptr, false);
-        return json.is_object() && json.contains("approaches") && !json["approaches"].empty();
-    }
-
     /// Runs one job in a folder of its own, which is emptied first. @returns its status; running: it was cancelled
     JobStatus run_job(const BatchJob& job, const std::string& inputs, const fs::path& folder, double limit_s,
         const std::function<bool()>& stop)
@@ -143,7 +134,7 @@ namespace {
             return status;
         status.seconds = watch.seconds();
         status.peak_bytes = run.peak_bytes;
-        if (run.exit_code == 0 && has_numbers(folder)) {
+        if (run.exit_code == 0 && !numbers_in(folder).is_null()) {
             status.state = JobStatus::State::done;
         } else {
             const Failure failure

@@ -94,15 +94,17 @@ figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } img { width: 
 
 } // namespace
 
+Json numbers_in(const fs::path& job_folder)
+{
+    std::ifstream in(job_folder / "metrics.json");
+    const Json json = Json::parse(in, nullptr, false);
+    const bool has_numbers = json.is_object() && json.contains("approaches") && !json["approaches"].empty();
+    return has_numbers ? json["approaches"][0] : Json();
+}
+
 void read_numbers(BatchRow& row, const fs::path& jobs_folder)
 {
-    row.numbers = {};
-    if (!is_done(row))
-        return;
-    std::ifstream in(jobs_folder / row.job.name / "metrics.json");
-    const Json json = Json::parse(in, nullptr, false);
-    if (json.is_object() && json.contains("approaches") && !json["approaches"].empty())
-        row.numbers = json["approaches"][0];
+    row.numbers = is_done(row) ? numbers_in(jobs_folder / row.job.name) : Json();
 }
 
 void write_batch_summary(const fs::path& folder, const fs::path& jobs_folder, const std::vector<BatchRow>& rows)

@@ -19,6 +19,9 @@ struct BatchRow {
     Json numbers {}; ///< the approach's entry of the job's metrics.json; null: the job has none
 };
 
+/// The approach's entry of metrics.json in a job's folder; null where there is none.
+Json numbers_in(const std::filesystem::path& job_folder);
+
 /// Reads the numbers of a job that is done.
 void read_numbers(BatchRow& row, const std::filesystem::path& jobs_folder);
 

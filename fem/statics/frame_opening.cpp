@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -145,7 +146,7 @@ namespace {
                 }
                 if (found_.openings >= how_.most_openings)
                     return fail("");
-                if (const std::string why = beyond_tissue(); !why.empty())
+                if (const std::string why = out_of_range(); !why.empty())
                     return fail(why);
                 if (!has_stiffness_ || was_cut_ || found_.imbalance > good_step() * before)
                     linearise();
@@ -310,9 +311,12 @@ namespace {
             return step;
         }
 
-        /// Why the tissue cannot follow the blades; empty: it can.
-        std::string beyond_tissue() const
+        /// Why the frame cannot be where it is; empty: it can.
+        std::string out_of_range() const
         {
+            if (const double turned = std::abs(Eigen::AngleAxisd(found_.state.rotation).angle());
+                turned > how_.most_turned)
+                return formatted(", and it turns by %.0f degrees", turned * 180.0 / std::numbers::pi);
             if (found_.opening.strain_p99 > kTornStrain)
                 return formatted(
                     ", but tissue is strained by %.0f %%: tissue tears before", 100.0 * found_.opening.strain_p99);

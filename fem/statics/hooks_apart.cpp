@@ -73,6 +73,17 @@ namespace {
         return way;
     }
 
+    /// Overlap of two hooks that move and turn: their common normal turns with them.
+    double crossing_of_turned(
+        const mesh::TetMesh& mesh, const FacingHooks& pair, const HookPatch& a, const HookPatch& b)
+    {
+        const Vec3 normal = (a.rotation * pair.normal + b.rotation * pair.normal).normalized();
+        const Vec3 from = middle_of(mesh, a), to = middle_of(mesh, b);
+        const Vec3 apart = to + b.displacement_of(to) - from - a.displacement_of(from);
+        const double slack = (to - from).dot(pair.normal) - pair.gap_mm; // negative where they overlap at rest
+        return slack - apart.dot(normal);
+    }
+
     double crossing_of(const FacingHooks& pair, const Eigen::VectorXd& d)
     {
         return crossing_mm(pair, d.segment<3>(row_of(pair.a)), d.segment<3>(row_of(pair.b)));
@@ -199,8 +210,7 @@ void check_hooks_apart(const mesh::TetMesh& mesh, std::span<const HookPatch> hoo
 {
     for (const FacingHooks& pair : facing_hooks(mesh, hooks)) {
         const HookPatch &a = hooks[pair.a], &b = hooks[pair.b];
-        const double crossing
-            = crossing_mm(pair, a.displacement_of(middle_of(mesh, a)), b.displacement_of(middle_of(mesh, b)));
+        const double crossing = crossing_of_turned(mesh, pair, a, b);
         if (crossing > pair.round_off_mm)
             throw InputError("hooks '" + a.name + "' and '" + b.name + "' would pass through each other by "
                     + std::to_string(crossing) + " mm: their lips meet before",

@@ -340,8 +340,8 @@ namespace {
     {
         constexpr double kMostTurned = 0.35; // rad
         const fem::OpeningOptions linear { .elasticity = fem::Elasticity::linear };
-        const fem::FrameOpening found
-            = fem::open_with_frame(held, frame, drive, linear, { .tolerance = kStartBalance }, job);
+        const fem::FrameOpening found = fem::open_with_frame(
+            held, frame, drive, linear, { .tolerance = kStartBalance, .most_turned = kMostTurned }, job);
         const bool is_found = found.opening.status == fem::OpeningStatus::converged
             || found.opening.status == fem::OpeningStatus::inverted;
         if (!is_found || std::abs(Eigen::AngleAxisd(found.state.rotation).angle()) > kMostTurned)

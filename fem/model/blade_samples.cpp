@@ -41,7 +41,7 @@ namespace {
         {
             const std::array<VertexId, 3> corners = mesh::face_vertices(mesh_, face);
             const std::array<Vec3, 3> p = triangle_corners(mesh_.vertices, corners);
-            if (!(unit_normal(p).dot(normal_) < -kLooksAtBlade))
+            if (!looks_at_blade(face))
                 return;
             const double longest = std::max({ (p[1] - p[0]).norm(), (p[2] - p[1]).norm(), (p[0] - p[2]).norm() });
             const int parts = std::max(1, static_cast<int>(std::ceil(longest / kSpacingMm)));
@@ -73,13 +73,55 @@ namespace {
                     }
         }
 
+        /// Marks the vertices near the blade that are connected with its lip by elements near the blade. What lies on
+        /// the other lip of a cut is not.
+        std::vector<char> on_side_of(std::span<const mesh::TetFace> lip) const
+        {
+            std::vector<std::vector<TetId>> elements_at(mesh_.vertex_count());
+            for (TetId t = 0; t < static_cast<TetId>(mesh_.tet_count()); ++t)
+                for (const VertexId v : mesh_.tet(t))
+                    if (is_near(point_at(mesh_.vertices, v)))
+                        elements_at[static_cast<std::size_t>(v)].push_back(t);
+            std::vector<char> reached(mesh_.vertex_count(), 0);
+            std::vector<VertexId> front;
+            const auto reach = [&](VertexId v) {
+                if (reached[static_cast<std::size_t>(v)] == 0 && !elements_at[static_cast<std::size_t>(v)].empty()) {
+                    reached[static_cast<std::size_t>(v)] = 1;
+                    front.push_back(v);
+                }
+            };
+            for (const mesh::TetFace& face : lip)
+                if (looks_at_blade(face))
+                    for (const VertexId v : mesh::face_vertices(mesh_, face))
+                        reach(v);
+            while (!front.empty()) {
+                const VertexId from = front.back();
+                front.pop_back();
+                for (const TetId t : elements_at[static_cast<std::size_t>(from)])
+                    for (const VertexId v : mesh_.tet(t))
+                        reach(v);
+            }
+            return reached;
+        }
+
     private:
-        bool in_reach(const Vec3& x, double gap, bool bone) const
+        bool looks_at_blade(const mesh::TetFace& face) const
+        {
+            const auto corners = triangle_corners(mesh_.vertices, mesh::face_vertices(mesh_, face));
+            return unit_normal(corners).dot(normal_) < -kLooksAtBlade;
+        }
+
+        bool is_near(const Vec3& x) const
         {
             const Vec3 w = x - nodes_[0];
             return std::abs(w.dot((nodes_[1] - nodes_[0]).normalized())) <= half_width_ + kMarginMm
                 && std::abs(w.dot((nodes_[2] - nodes_[0]).normalized())) <= half_height_ + kMarginMm
-                && (bone ? gap >= -kGrazeMm && gap <= kBoneReachMm : std::abs(gap) <= kLipReachMm);
+                && std::abs(w.dot(normal_)) <= kLipReachMm;
+        }
+
+        bool in_reach(const Vec3& x, double gap, bool bone) const
+        {
+            return is_near(x) && (!bone || (gap >= -kGrazeMm && gap <= kBoneReachMm));
         }
 
         std::array<std::size_t, 3> local_corners(TetId tet, const std::array<VertexId, 3>& corners) const
@@ -138,9 +180,16 @@ BladeSurface make_blade_surface(const mesh::TetMesh& mesh, std::span<const Lame>
     }
     if (blade.samples.empty())
         throw InputError("no face of the lip looks at the blade", "blade '" + place.name + "'");
-    for (const mesh::TetFace& face : bone)
-        if (!of_lip.contains({ face.tet, face.corner }))
+    if (bone.empty())
+        return blade;
+    const std::vector<char> on_side = sampler.on_side_of(lip);
+    for (const mesh::TetFace& face : bone) {
+        const auto corners = mesh::face_vertices(mesh, face);
+        if (!of_lip.contains({ face.tet, face.corner }) && std::any_of(corners.begin(), corners.end(), [&](VertexId v) {
+                return on_side[static_cast<std::size_t>(v)] != 0;
+            }))
             sampler.add(face, true, blade.samples);
+    }
     return blade;
 }
 

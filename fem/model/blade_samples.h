@@ -49,7 +49,8 @@ std::array<Vec3, 3> blade_nodes(const BladePlace& place);
 /// Finds the samples of a blade.
 /// @param lame one per element
 /// @param lip faces of the lip that the blade holds
-/// @param bone faces of the surface of bones, each of an element of bone; faces that are also in `lip` are passed over
+/// @param bone faces of the surface of bones, each of an element of bone; faces that are also in `lip`, and those that
+/// no elements near the blade connect with the lip (they lie on the other lip of the cut), are passed over
 /// @param nodes numbers of the blade's nodes in the mesh
 /// @throws InputError as blade_nodes(), and naming the blade when no face of the lip looks at it
 BladeSurface make_blade_surface(const mesh::TetMesh& mesh, std::span<const Lame> lame,

@@ -136,6 +136,7 @@ namespace {
         {
             int halvings = 0;
             double before = std::numeric_limits<double>::infinity();
+            FrameOpening best = found_;
             while (found_.imbalance > how_.tolerance || tolerance_ > options_.tolerance) {
                 if (found_.imbalance <= how_.tolerance) {
                     continue_from(found_.opening.displacement);
@@ -146,8 +147,15 @@ namespace {
                 }
                 if (found_.openings >= how_.most_openings)
                     return fail("");
-                if (const std::string why = out_of_range(); !why.empty())
-                    return fail(why);
+                if (const std::string why = out_of_range(); !why.empty()) {
+                    fail(why);
+                    best.opening.status = found_.opening.status;
+                    best.opening.message = std::move(found_.opening.message);
+                    found_ = std::move(best);
+                    return;
+                }
+                if (found_.imbalance < best.imbalance)
+                    best = found_;
                 if (!has_stiffness_ || was_cut_ || found_.imbalance > good_step() * before)
                     linearise();
                 before = found_.imbalance;

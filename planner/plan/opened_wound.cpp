@@ -334,7 +334,7 @@ namespace {
 
     /// The balance of the retractor in tissue that is linear and held by the blades: one factorisation finds it. The
     /// nonlinear balance lies within a few degrees of it, and hardly lies nearer to where the retractor was at rest.
-    /// Nothing where linear tissue finds none, or lets the retractor turn too far to believe it.
+    /// Linear tissue may let the retractor turn without end; then this is the best balance before it turned too far.
     std::optional<fem::FrameStart> linear_start(
         const fem::ElasticProblem& held, const fem::BladeFrame& frame, const fem::RackDrive& drive, const Job& job)
     {
@@ -342,9 +342,8 @@ namespace {
         const fem::OpeningOptions linear { .elasticity = fem::Elasticity::linear };
         const fem::FrameOpening found = fem::open_with_frame(
             held, frame, drive, linear, { .tolerance = kStartBalance, .most_turned = kMostTurned }, job);
-        const bool is_found = found.opening.status == fem::OpeningStatus::converged
-            || found.opening.status == fem::OpeningStatus::inverted;
-        if (!is_found || std::abs(Eigen::AngleAxisd(found.state.rotation).angle()) > kMostTurned)
+        if (found.opening.status == fem::OpeningStatus::cancelled
+            || std::abs(Eigen::AngleAxisd(found.state.rotation).angle()) > kMostTurned)
             return std::nullopt;
         return fem::FrameStart { .state = found.state, .displacement = {}, .stiffness = {} };
     }

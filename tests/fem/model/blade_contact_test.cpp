@@ -238,6 +238,56 @@ namespace blade_contact_test {
         EXPECT_GT(bone_force(closed + 0.01), 0.0);
     }
 
+    TEST(BladeContact, BoneOnTheOtherLipOfACutIsPassedOver)
+    {
+        // The blade stands in a cut between two blocks and presses on the lower one. On the other lip bone looks the
+        // same way, 1.5 mm behind the blade.
+        constexpr double kBoneMm = 1.5;
+        const mesh::TetMesh lower = mesh::kuhn_box(4, 4, 2, kSpacingMm);
+        const auto bone_force = [&](bool joined) {
+            ElasticProblem problem;
+            problem.mesh = lower;
+            const auto first = static_cast<VertexId>(lower.vertices.rows());
+            problem.mesh.vertices.conservativeResize(2 * first, 3);
+            std::vector<VertexId> at(static_cast<std::size_t>(first));
+            for (VertexId v = 0; v < first; ++v) {
+                Vec3 x = lower.vertices.row(v).transpose();
+                x.z() = 10.0 + x.z() / kSpacingMm * kBoneMm;
+                problem.mesh.vertices.row(first + v) = x.transpose();
+                at[static_cast<std::size_t>(v)] = first + v;
+                for (VertexId w = 0; joined && w < first; ++w)
+                    if ((lower.vertices.row(w).transpose() - x).norm() < kRoundOff)
+                        at[static_cast<std::size_t>(v)] = w;
+            }
+            for (const VertexId v : lower.nodes)
+                problem.mesh.nodes.push_back(at[static_cast<std::size_t>(v)]);
+            problem.mesh.labels.assign(2 * lower.tet_count(), 0);
+            for (TetId t = static_cast<TetId>(lower.tet_count()); t < static_cast<TetId>(problem.mesh.tet_count());
+                 ++t) {
+                double z = 0.0;
+                for (const VertexId v : problem.mesh.tet(t))
+                    z += 0.25 * problem.mesh.vertices(v, 2);
+                problem.mesh.labels[static_cast<std::size_t>(t)] = z < 10.0 + kBoneMm ? 1 : 0;
+            }
+            problem.material_of_label
+                = { { "muscle", 0.05, 0.3, 1e-9, "test" }, { "bone", 5000.0, 0.3, 1e-9, "test" } };
+            problem.hooks.push_back({ .name = "blade", .side = 1, .nodes = {} });
+            const std::vector<Label> bones { 1 };
+            add_blade(problem, 0, mesh::boundary_faces(lower), surface_of_labels(problem.mesh, bones),
+                { .name = "blade",
+                    .middle = Vec3(10.0, 10.0, 10.0),
+                    .outward = -Vec3::UnitZ(),
+                    .width_mm = 12.0,
+                    .height_mm = 8.0 });
+            Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
+            for (const VertexId v : problem.blades[0].nodes)
+                u[3 * v + 2] = -1.0;
+            return BladeContact(problem.mesh, problem.blades).bearing(u)[0].bone_force_N;
+        };
+        EXPECT_EQ(bone_force(false), 0.0);
+        EXPECT_GT(bone_force(true), 0.0) << "one piece: a blade that grazes its bone";
+    }
+
     TEST(BladeContact, BadInputNamesTheBlade)
     {
         using test_support::message_of;

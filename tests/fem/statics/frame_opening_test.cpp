@@ -300,6 +300,23 @@ namespace frame_opening_test {
         EXPECT_NE(opened.opening.message.find("no balance in 1 opening"), std::string::npos) << opened.opening.message;
     }
 
+    TEST(FrameOpening, AFrameThatTurnsTooFarEndsWithItsBestBalance)
+    {
+        const FramedBlock block;
+        const auto turn_of
+            = [](const FrameOpening& opened) { return Eigen::AngleAxisd(opened.state.rotation).angle(); };
+        const FrameOpening free = block.open();
+        ASSERT_GT(turn_of(free), 0.0);
+        const FrameOpening at_rest
+            = block.open({ .distance_mm = kOpeningMm }, kExactOpening, { .tolerance = 1e-6, .most_openings = 1 });
+        const FrameOpening ended = block.open(
+            { .distance_mm = kOpeningMm }, kExactOpening, { .tolerance = 1e-6, .most_turned = 0.1 * turn_of(free) });
+        EXPECT_EQ(ended.opening.status, OpeningStatus::not_converged);
+        EXPECT_NE(ended.opening.message.find("and it turns by"), std::string::npos) << ended.opening.message;
+        EXPECT_LE(turn_of(ended), 0.1 * turn_of(free));
+        EXPECT_LE(ended.imbalance, at_rest.imbalance);
+    }
+
     TEST(FrameOpening, BadInputIsNamed)
     {
         const FramedBlock good;

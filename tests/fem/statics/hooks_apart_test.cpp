@@ -2,9 +2,12 @@
 
 #include "fem/interactive/online_opening.h"
 #include "fem/statics/nonlinear_region.h"
+#include "mesh/base/error.h"
 #include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -35,6 +38,44 @@ namespace hooks_apart_test {
         hooks[0].displacement = Vec3(-3.0, 0.0, 0.0);
         EXPECT_TRUE(facing_hooks(strip, hooks).empty());
         EXPECT_NO_THROW(check_hooks_apart(strip, hooks));
+    }
+
+    TEST(HooksApart, HooksThatTurnTogetherStayOnTheirSides)
+    {
+        // Two lips 1 mm apart that look at each other, and a frame that turns them both and draws them apart.
+        mesh::TetMesh lips = mesh::kuhn_box(2, 4, 4, 5.0);
+        const mesh::TetMesh other = lips;
+        const auto first = static_cast<VertexId>(lips.vertices.rows());
+        lips.vertices.conservativeResize(2 * first, 3);
+        for (VertexId v = 0; v < first; ++v)
+            lips.vertices.row(first + v) = other.vertices.row(v) + Vec3(11.0, 0.0, 0.0).transpose();
+        for (const VertexId v : other.nodes)
+            lips.nodes.push_back(first + v);
+        lips.labels.insert(lips.labels.end(), other.labels.begin(), other.labels.end());
+        std::vector<HookPatch> hooks(2);
+        for (VertexId v = 0; v < 2 * first; ++v) {
+            if (lips.vertices(v, 0) == 10.0)
+                hooks[0].nodes.push_back(v);
+            if (lips.vertices(v, 0) == 11.0)
+                hooks[1].nodes.push_back(v);
+        }
+        hooks[0].side = 1;
+        hooks[1].side = -1;
+        const auto place = [&](double turn, double apart_mm) {
+            const Mat3 R = Eigen::AngleAxisd(turn, Vec3(0.2, 0.3, 1.0).normalized()).toRotationMatrix();
+            for (HookPatch& hook : hooks) {
+                hook.rotation = R;
+                hook.pivot = Vec3(10.5, 10.0, 10.0);
+                hook.displacement = R * Vec3(-0.5 * hook.side * apart_mm, 0.0, 0.0);
+            }
+        };
+        ASSERT_EQ(facing_hooks(lips, hooks).size(), 1U);
+        for (const double turn : { 0.0, 0.5, 1.6, 3.0 }) {
+            place(turn, 8.0);
+            EXPECT_NO_THROW(check_hooks_apart(lips, hooks)) << turn;
+            place(turn, -1.5); // through each other by 0.5 mm
+            EXPECT_THROW(check_hooks_apart(lips, hooks), InputError) << turn;
+        }
     }
 
     TEST(HooksApart, DrawnBackTheyGiveWayInTheirSharesAndSlideAlong)

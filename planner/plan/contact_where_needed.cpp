@@ -82,7 +82,7 @@ namespace {
                     return { .opened = std::move(without), .contact = std::move(metrics_) };
             }
             std::string failure;
-            if (std::optional<OpenedWall> touching = open_touching(finished ? &without : nullptr, failure)) {
+            if (std::optional<OpenedWall> touching = open_touching(without, failure)) {
                 ContactMetrics metrics = of_solution(touching->opening, surfaces_);
                 metrics.needed = true;
                 return { .opened = *std::move(touching), .contact = std::move(metrics) };
@@ -127,7 +127,7 @@ namespace {
         /// Solves the wound with contact: from the solution without contact where there is one, else or where this
         /// fails, from rest.
         /// @returns nothing, and the reason as `failure`, without an answer
-        std::optional<OpenedWall> open_touching(const OpenedWall* without, std::string& failure) const
+        std::optional<OpenedWall> open_touching(const OpenedWall& without, std::string& failure) const
         {
             if (!can_touch_) {
                 failure = "the tissue far from the lips is linear and has no surface for contact";
@@ -136,10 +136,10 @@ namespace {
             const TimeLimit limit(job_, std::max(kLeastContactS, kContactTimes * watch_.seconds()));
             const Stopwatch watch;
             try {
-                OpenedWall opened = open_(surfaces_.options, without, {}, limit.job());
-                // Where hooks hold nodes, open_wall() has begun at rest already.
-                const bool was_at_rest = corners_.blades.size() != corners_.hooks.size();
-                if (without != nullptr && !was_at_rest && !is_usable(opened.opening) && !limit.job().cancelled())
+                OpenedWall opened = open_(surfaces_.options, &without, {}, limit.job());
+                // open_wall() has begun at rest already where hooks hold nodes, and in the end with four-node elements.
+                const bool was_at_rest = corners_.blades.size() != corners_.hooks.size() || without.ended_by_test;
+                if (!was_at_rest && !is_usable(opened.opening) && !limit.job().cancelled())
                     opened = open_(surfaces_.options, nullptr, {}, limit.job());
                 if (is_usable(opened.opening))
                     return opened;

@@ -26,7 +26,8 @@ struct OpenedWall {
     std::size_t near_tets = 0; ///< number of nonlinear elements of an opening with a linear region; else 0
     fem::OpeningResult opening {}; ///< displacements of the wall's vertices, without midpoints
     std::optional<PlacedRetractor> retractor {}; ///< with a retractor; its blades are the hooks
-    bool ended_by_test = false; ///< a StageTest ended the opening: only `coarse` is filled
+    /// A StageTest ended the opening: only `coarse` is filled, and with a retractor `hooks` and `retractor` of it.
+    bool ended_by_test = false;
 };
 
 /// Decides with a usable solution by four-node elements whether ten-node elements go on from there.

@@ -375,9 +375,26 @@ namespace {
             fem::FrameStart { held.state, fem::with_blade_nodes(placed, held.opening.displacement), {} });
     }
 
+    /// The balance of the retractor in four-node elements, from another one of the same elements where there is one
+    /// that helps.
+    /// @param problem four-node elements
+    fem::FrameOpening open_four_node_from(const OpenedWall* start, const fem::ElasticProblem& problem,
+        const PlannedField& field, const fem::RackDrive& drive, const fem::OpeningOptions& options,
+        const fem::FrameOptions& how, const Job& job)
+    {
+        if (start != nullptr && start->retractor && start->coarse) {
+            fem::FrameOpening found = fem::open_with_frame(problem, blade_frame_of(field.approach), drive, options, how,
+                job, fem::FrameStart { start->retractor->state, start->coarse->displacement, {} });
+            if (is_usable(found.opening) || found.opening.status == fem::OpeningStatus::cancelled)
+                return found;
+        }
+        return open_four_node(problem, field, drive, options, how, job);
+    }
+
     /// Opens a wall with a retractor. Ten-node elements begin where the retractor is in balance in four-node elements.
+    /// @param start an opening without contact that a test ended, from which the four-node elements begin; or nullptr
     void open_with_retractor(OpenedWall& opened, const PlannedField& field, fem::OpeningOptions options,
-        const StageTest& goes_on, const Job& job)
+        const OpenedWall* start_of_four_node, const StageTest& goes_on, const Job& job)
     {
         const fem::BladeFrame frame = blade_frame_of(field.approach);
         const fem::RackDrive drive = rack_drive_of(*field.approach.retractor);
@@ -387,13 +404,15 @@ namespace {
             return take_retractor(
                 opened, frame, open_four_node(problem, field, drive, options, balance_of(problem), job));
         const fem::FrameOptions how = balance_of(problem);
-        fem::FrameOpening coarse = open_four_node(fem::without_midpoints(problem), field, drive, options,
-            { .tolerance = kStartBalance }, as_stage(job, "opening, four-node elements"));
+        fem::FrameOpening coarse = open_four_node_from(start_of_four_node, fem::without_midpoints(problem), field,
+            drive, options, { .tolerance = kStartBalance }, as_stage(job, "opening, four-node elements"));
         if (coarse.opening.status == fem::OpeningStatus::cancelled)
             return take_retractor(opened, frame, std::move(coarse));
         if (is_usable(coarse.opening) && goes_on && !goes_on(coarse.opening)) {
+            take_retractor(opened, frame, std::move(coarse));
             opened.ended_by_test = true;
-            opened.coarse = std::move(coarse.opening);
+            opened.coarse = std::move(opened.opening);
+            opened.opening = {};
             return;
         }
         if (!problem.blades.empty() && !is_usable(coarse.opening))
@@ -449,10 +468,12 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
     opened.hooks = problem.hooks;
     const bool linear = options.elasticity == fem::Elasticity::linear; // one solve, with any start
     const bool all_blades = problem.blades.size() == problem.hooks.size();
-    if (start != nullptr && all_blades && drives.empty() && near_mm == 0.0) {
+    if (!all_blades || !drives.empty() || near_mm > 0.0)
+        start = nullptr;
+    if (start != nullptr && !start->ended_by_test) {
         open_from(opened, field, *start, options, job);
     } else if (field.approach.retractor && !problem.hooks.empty()) {
-        open_with_retractor(opened, field, options, goes_on, job);
+        open_with_retractor(opened, field, options, start, goes_on, job);
     } else if (drives.empty() && problem.mesh.nodes_per_tet == 10 && near_mm == 0.0 && !linear) {
         open_from_corners(opened, problem, options, goes_on, job);
     } else if (drives.empty()) {

@@ -156,6 +156,24 @@ namespace elasticity_test {
         }
     }
 
+    TEST(Elasticity, EnergyAndStressAreThoseOfTheSingularValues)
+    {
+        // With the tangent they are computed from the singular values, without it from the rotation alone.
+        std::mt19937 random(11);
+        std::vector<std::pair<std::string, Mat3>> all = samples();
+        for (int i = 0; i < 200; ++i)
+            all.emplace_back("rotated", random_rotation(random) * (Mat3::Identity() + 0.9 * random_matrix(random)));
+        for (const Elasticity model : { Elasticity::corotational, Elasticity::corotational_linear })
+            for (const auto& [name, F] : all) {
+                const PointResponse from_values = evaluate_point(model, kSoft, F, true),
+                                    from_rotation = evaluate_point(model, kSoft, F, false);
+                constexpr double kRoundOff = 1e-11; // nearly singular F amplify it
+                const double size = 1.0 + F.squaredNorm();
+                EXPECT_NEAR(from_rotation.energy, from_values.energy, kRoundOff * size * size * size) << name;
+                EXPECT_LT((from_rotation.stress - from_values.stress).norm(), kRoundOff * size * size * size) << name;
+            }
+    }
+
     TEST(Elasticity, StressIsTheDerivativeOfTheEnergy)
     {
         constexpr double h = 1e-5; // truncation h^2 meets round-off eps / h

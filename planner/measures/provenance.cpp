@@ -17,16 +17,6 @@ namespace {
 
     using Json = nlohmann::ordered_json;
 
-    std::string utc_text(std::chrono::system_clock::time_point when)
-    {
-        const std::time_t time = std::chrono::system_clock::to_time_t(when);
-        std::tm parts {};
-        gmtime_r(&time, &parts);
-        std::array<char, 32> text {};
-        std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
-        return text.data();
-    }
-
     fem::MaterialTable wall_materials(const Case& planned_case)
     {
         fem::MaterialTable used;
@@ -82,6 +72,16 @@ namespace {
     }
 
 } // namespace
+
+std::string utc_text(std::chrono::system_clock::time_point when)
+{
+    const std::time_t time = std::chrono::system_clock::to_time_t(when);
+    std::tm parts {};
+    gmtime_r(&time, &parts);
+    std::array<char, 32> text {};
+    std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+    return text.data();
+}
 
 Provenance provenance_of(const Case& planned_case, std::string program, std::chrono::system_clock::time_point when)
 {

@@ -29,6 +29,9 @@ struct Provenance {
     fem::MaterialTable materials; ///< materials of the wall's labels, with Poisson's ratios as the elements take them
 };
 
+/// "2026-11-22T12:58:03Z"
+std::string utc_text(std::chrono::system_clock::time_point when);
+
 /// @param program name and version
 Provenance provenance_of(const Case& planned_case, std::string program, std::chrono::system_clock::time_point when);
 

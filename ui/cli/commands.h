@@ -20,6 +20,8 @@ void add_compare_command(Commands& commands);
 void add_search_command(Commands& commands);
 /// Plans many approaches.
 void add_batch_command(Commands& commands);
+/// Adds `choose` and `questionnaire`: what a team decided.
+void add_decision_commands(Commands& commands);
 void add_demo_command(Commands& commands);
 /// Makes a scene for `palpate` from a patient's case.
 void add_palpable_command(Commands& commands);

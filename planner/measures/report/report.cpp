@@ -37,6 +37,7 @@ body { font: 16px/1.45 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; color: 
 main { max-width: 1180px; margin: 0 auto; padding: 24px; }
 h1 { font-size: 26px; margin: 8px 0; } h2 { font-size: 21px; margin: 36px 0 8px; border-bottom: 2px solid #b9c6d2; }
 .notice { background: #fff4d6; border-left: 5px solid #d99a00; padding: 8px 14px; }
+.chosen { background: #e3f1e8; border-left: 5px solid #2f8f5b; padding: 8px 14px; }
 table { border-collapse: collapse; background: #fff; width: 100%; }
 th, td { border: 1px solid #d3dce4; padding: 6px 10px; text-align: right; } th:first-child, td:first-child { text-align: left; }
 thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; } .failed { color: #9aa5af; text-decoration: line-through; } .caution { color: #8a5a00; }
@@ -493,6 +494,8 @@ void write_report(const std::filesystem::path& path, const Report& report)
     out << "<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>" << escaped(report.title)
         << "</title><style>" << kStyle << "</style></head><body><main><h1>" << escaped(report.title) << "</h1><p>"
         << escaped(report.patient) << "</p><p class=\"notice\">Research software, not a medical device.</p>";
+    if (!report.chosen.empty())
+        out << "<p class=\"chosen\">" << escaped(report.chosen) << "</p>";
     write_pictures(out, report, "");
     for (const std::string& refusal : report.refused)
         out << "<p class=\"notice\">" << escaped(refusal) << "</p>";

@@ -27,6 +27,7 @@ struct ReportView {
 struct Report {
     std::string title;
     std::string patient; ///< the data in words; never a name or an id of a person
+    std::string chosen {}; ///< the team's choice in a sentence; empty: nothing is chosen
     std::optional<Provenance> computed; ///< inputs, program and date
     std::vector<FieldMetrics> fields;
     std::vector<std::vector<std::string>> divided_bones; ///< of each field (planner::divided_bones()); empty: not known

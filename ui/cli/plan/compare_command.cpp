@@ -7,6 +7,7 @@
 #include "planner/approach/neighbour_approaches.h"
 #include "planner/case/case_io.h"
 #include "planner/case/patient.h"
+#include "planner/decision/decisions.h"
 #include "planner/plan/saved/saved_plan.h"
 #include "ui/cli/framework/open_case.h"
 #include "ui/cli/framework/out_folder.h"
@@ -74,6 +75,10 @@ namespace {
         Outcome outcome { .document = comparison_document(fields, weights),
             .text = comparison_text(fields, weights, Marks::leader) };
         outcome.document["not_planned"] = unplanned;
+        if (const std::string chosen = planner::holding_choice(planned_case); !chosen.empty()) {
+            outcome.document["chosen"] = chosen;
+            outcome.text += chosen + "\n";
+        }
         if (!unplanned.empty())
             outcome.text += "not planned: " + joined(unplanned) + "\n";
         return outcome;

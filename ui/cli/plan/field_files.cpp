@@ -8,6 +8,7 @@
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/approach/divided_bones.h"
 #include "planner/approach/incision_guide.h"
+#include "planner/decision/decisions.h"
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
 #include "planner/measures/bones/bone_limits.h"
@@ -401,6 +402,11 @@ void write_field_report(const std::filesystem::path& folder, planner::Patient& p
             report.landmarks.push_back(planner::theatre_sentences(patient, field.approach));
         }
     report.pictures = pictures;
+    try {
+        report.chosen = planner::holding_choice(patient.planned_case());
+    } catch (const Error& error) { // the fields are planned and drawn: a damaged record must not hold them back
+        report.refused.push_back(std::string("The team's choice cannot be shown: ") + error.what());
+    }
     for (const planner::PlannedField& field : fields)
         if (!is_measured(field))
             report.refused.push_back(field.approach.name

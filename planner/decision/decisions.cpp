@@ -1,0 +1,125 @@
+#include "planner/decision/decisions.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
+#include "planner/approach/approach_draft.h"
+#include "planner/measures/report/html_text.h"
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+
+namespace retractor::planner {
+
+namespace {
+
+    bool is_blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") == std::string_view::npos; }
+
+} // namespace
+
+std::filesystem::path decisions_file(const Case& planned_case)
+{
+    std::filesystem::path file = planned_case.file();
+    return file.replace_extension(".decisions.json");
+}
+
+void check_choice(const Choice& choice, const std::string& where)
+{
+    if (is_blank(choice.approach))
+        throw InputError("a choice names an approach", where + "/approach");
+    if (is_blank(choice.by))
+        throw InputError("a choice names who chose", where + "/by");
+    if (is_blank(choice.why))
+        throw InputError("a choice gives a reason", where + "/why");
+}
+
+void check_answers(const Answers& answers, const std::string& where)
+{
+    if (is_blank(answers.by))
+        throw InputError("answers name who gave them", where + "/by");
+    for (std::size_t q = 0; q < kQuestions.size(); ++q)
+        if (answers.points.at(q) < kLeastPoints || answers.points.at(q) > kMostPoints)
+            throw InputError(
+                formatted("%d points: an answer has %d to %d", answers.points.at(q), kLeastPoints, kMostPoints),
+                where + "/points/" + kQuestions.at(q).key);
+}
+
+std::string choice_sentence(const Choice& choice, const std::string& name)
+{
+    const std::string day = choice.when.substr(0, choice.when.find('T'));
+    return "Chosen: " + name + ", by " + choice.by + " on " + day + ": " + choice.why
+        + (choice.why.back() == '.' ? "" : ".");
+}
+
+std::string holding_choice(const Case& planned_case)
+{
+    const Decisions decisions = read_decisions(decisions_file(planned_case));
+    if (decisions.choices.empty())
+        return {};
+    const Choice& choice = decisions.choices.back();
+    for (const Approach& approach : planned_case.approaches)
+        if (approach.name == choice.approach)
+            return choice_sentence(choice, spoken_name(approach));
+    return choice_sentence(choice, readable(choice.approach) + " (no longer in the case)");
+}
+
+std::array<QuestionSummary, kQuestions.size()> summary_of(const std::vector<std::vector<Answers>>& cases)
+{
+    std::array<QuestionSummary, kQuestions.size()> summary;
+    for (const std::vector<Answers>& answers : cases) {
+        std::map<std::string, const Answers*> last;
+        for (const Answers& one : answers)
+            last[one.by] = &one;
+        for (const auto& [by, one] : last)
+            for (std::size_t q = 0; q < kQuestions.size(); ++q) {
+                QuestionSummary& of = summary.at(q);
+                const int points = one->points.at(q);
+                ++of.count.at(static_cast<std::size_t>(points - kLeastPoints));
+                ++of.answers;
+                of.mean += points; // the sum, divided below
+                of.least = std::min(of.least.value_or(points), points);
+                of.most = std::max(of.most.value_or(points), points);
+            }
+    }
+    for (QuestionSummary& of : summary)
+        if (of.answers > 0)
+            of.mean /= of.answers;
+    return summary;
+}
+
+std::string sheet_html(const Case& planned_case, const std::string& chosen)
+{
+    std::string page
+        = "<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Six questions</title><style>"
+          "body { font: 16px/1.4 system-ui, \"DejaVu Sans\", sans-serif; max-width: 760px; margin: 24px auto; } "
+          "table { border-collapse: collapse; width: 100%; } td, th { border: 1px solid #888; padding: 10px; "
+          "text-align: left; } .points { text-align: center; width: 3.2em; font-size: 20px; } "
+          ".line { border-bottom: 1px solid #888; display: inline-block; min-width: 16em; } "
+          "p { margin: 14px 0; }</style></head><body><h1>Six questions on a planned surgical field</h1>";
+    page += "<p>Case: " + escaped(planned_case.file().parent_path().filename().string()) + "</p>";
+    std::vector<std::string> names;
+    for (const Approach& approach : planned_case.approaches)
+        names.push_back(spoken_name(approach));
+    page += "<p>Approaches: " + escaped(names.empty() ? "none" : joined(names)) + "</p>";
+    page += "<p>Approach that I would choose: <span class=\"line\">&nbsp;</span></p>";
+    if (!chosen.empty())
+        page += "<p>" + escaped(chosen) + "</p>";
+    page += formatted(
+        "<p>Tick one box in each row: %d, I do not agree at all; %d, I agree fully.</p><table><tr><th></th>",
+        kLeastPoints, kMostPoints);
+    for (int points = kLeastPoints; points <= kMostPoints; ++points)
+        page += formatted("<th class=\"points\">%d</th>", points);
+    page += "</tr>";
+    for (const Question& question : kQuestions) {
+        page += "<tr><td><b>" + escaped(question.title) + ".</b> " + escaped(question.sentence) + "</td>";
+        for (int points = kLeastPoints; points <= kMostPoints; ++points)
+            page += "<td class=\"points\">&#9744;</td>";
+        page += "</tr>";
+    }
+    page += "</table><p>What is missing or wrong:</p><p style=\"height: 6em; border: 1px solid #888\"></p>"
+            "<p>Name: <span class=\"line\">&nbsp;</span> Date: <span class=\"line\">&nbsp;</span></p>"
+            "<p>Not a medical device.</p></body></html>\n";
+    return page;
+}
+
+} // namespace retractor::planner

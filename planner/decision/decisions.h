@@ -1,0 +1,97 @@
+#pragma once
+// What a team decided on a case: the approach that it chose, by whom, why and when, and how surgeons answered six
+// questions about the planned field. They are kept in a file of their own beside the case file, since they are said
+// about the case and change nothing that is planned. Names of persons are free text; the file is not part of a report
+// unless someone chose.
+//
+// The questions are those of a field trial with four surgeons (Nakao et al. 2006, J Med Syst 30:371, doi
+// 10.1007/s10916-006-9021-4): 1 to 5 points for 3D shape, location and quality of the simulated field, planning effect,
+// crisis recognition and necessity. The sentences are ours.
+
+#include "planner/case/case.h"
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace retractor::planner {
+
+inline constexpr int kLeastPoints = 1, kMostPoints = 5;
+
+struct Question {
+    const char* key; ///< in files and options
+    const char* title;
+    const char* sentence; ///< to agree or disagree with
+};
+
+inline constexpr std::array<Question, 6> kQuestions { {
+    { "shape", "3D shape", "The three-dimensional shape of the organs can be grasped." },
+    { "location", "Location", "It can be grasped where the organs and the target lie in the surgical field." },
+    { "quality", "Quality of the field", "The simulated surgical field looks as it will in the theatre." },
+    { "planning", "Planning effect", "Planning with it changes or confirms the approach." },
+    { "crisis", "Crisis recognition", "It shows in advance what may go wrong." },
+    { "necessity", "Necessity", "Such planning is needed before operations like this one." },
+} };
+
+/// The choice of an approach.
+struct Choice {
+    std::string approach; ///< its name in the case
+    std::string by; ///< person or team, free text
+    std::string why;
+    std::string when; ///< UTC, "2026-11-27T09:30:00Z"
+    std::string plan {}; ///< what was known of the plan when it was chosen, in one sentence; empty: it was not planned
+};
+
+/// The answers of one person.
+struct Answers {
+    std::string by;
+    std::string when; ///< as Choice::when
+    std::array<int, kQuestions.size()> points {};
+    std::string note {};
+};
+
+struct Decisions {
+    std::vector<Choice> choices; ///< the oldest first; the last one holds
+    std::vector<Answers> answers; ///< the oldest first
+};
+
+/// "case.decisions.json" beside "case.json".
+std::filesystem::path decisions_file(const Case& planned_case);
+
+/// The decisions of a file; none where there is no file.
+/// @throws IoError when the file cannot be read; InputError with the JSON pointer in where() on bad JSON, unknown or
+/// missing keys, wrong types and points out of range
+Decisions read_decisions(const std::filesystem::path& file);
+
+/// Writes the file in one step. @throws IoError; InputError as check_choice() and check_answers()
+void write_decisions(const std::filesystem::path& file, const Decisions& decisions);
+
+/// @param where put before the failing key in InputError::where()
+/// @throws InputError when nobody or no reason is named, or on points out of range
+void check_choice(const Choice& choice, const std::string& where);
+void check_answers(const Answers& answers, const std::string& where);
+
+/// "Chosen: left 4th space, by A. Suzuki on 2026-11-27: the shortest way." @param name of the approach, for people
+std::string choice_sentence(const Choice& choice, const std::string& name);
+
+/// The sentence of the choice that holds; empty: nothing is chosen. @throws as read_decisions()
+std::string holding_choice(const Case& planned_case);
+
+/// The answers to one question.
+struct QuestionSummary {
+    std::array<int, kMostPoints> count {}; ///< of answers with 1, 2 .. 5 points
+    int answers = 0;
+    double mean = 0.0; ///< 0 without answers
+    std::optional<int> least {}, most {};
+};
+
+/// Per question. Of several answers of one person (the same `by`) to one case the last one counts.
+/// @param cases the answers of each case
+std::array<QuestionSummary, kQuestions.size()> summary_of(const std::vector<std::vector<Answers>>& cases);
+
+/// A page to print: the case, the approaches and the questions with boxes to tick. @param chosen as holding_choice()
+std::string sheet_html(const Case& planned_case, const std::string& chosen);
+
+} // namespace retractor::planner

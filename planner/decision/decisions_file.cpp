@@ -1,0 +1,145 @@
+#include "planner/decision/decisions.h"
+
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <initializer_list>
+#include <iterator>
+#include <string_view>
+
+namespace retractor::planner {
+
+namespace {
+
+    using Json = nlohmann::ordered_json;
+    constexpr int kSchema = 1;
+
+    /// Refuses a value that is not an object with these keys only. @param optional keys that may be missing
+    void check_keys(const Json& json, const std::string& where, std::initializer_list<std::string_view> required,
+        std::initializer_list<std::string_view> optional = {})
+    {
+        if (!json.is_object())
+            throw InputError("an object is expected", where);
+        for (const std::string_view key : required)
+            if (!json.contains(key))
+                throw InputError("the key is missing", where + "/" + std::string(key));
+        for (const auto& [key, value] : json.items())
+            if (std::ranges::find(required, std::string_view(key)) == required.end()
+                && std::ranges::find(optional, std::string_view(key)) == optional.end())
+                throw InputError("unknown key", where + "/" + key);
+    }
+
+    const Json& list_in(const Json& json, const std::string& where, const char* key)
+    {
+        if (!json.at(key).is_array())
+            throw InputError("a list is expected", where + "/" + key);
+        return json.at(key);
+    }
+
+    std::string text_in(const Json& json, const std::string& where, const char* key)
+    {
+        if (!json.contains(key))
+            return {};
+        if (!json.at(key).is_string())
+            throw InputError("a text is expected", where + "/" + key);
+        return json.at(key).get<std::string>();
+    }
+
+    Choice choice_of(const Json& json, const std::string& where)
+    {
+        check_keys(json, where, { "approach", "by", "why", "when" }, { "plan" });
+        Choice choice { .approach = text_in(json, where, "approach"),
+            .by = text_in(json, where, "by"),
+            .why = text_in(json, where, "why"),
+            .when = text_in(json, where, "when"),
+            .plan = text_in(json, where, "plan") };
+        check_choice(choice, where);
+        return choice;
+    }
+
+    Answers answers_of(const Json& json, const std::string& where)
+    {
+        check_keys(json, where, { "by", "when", "points" }, { "note" });
+        Answers answers {
+            .by = text_in(json, where, "by"), .when = text_in(json, where, "when"), .note = text_in(json, where, "note")
+        };
+        const Json& points = json.at("points");
+        const std::string place = where + "/points";
+        if (!points.is_object() || points.size() != kQuestions.size())
+            throw InputError("six answers are expected", place);
+        for (std::size_t q = 0; q < kQuestions.size(); ++q) {
+            const char* key = kQuestions.at(q).key;
+            if (!points.contains(key))
+                throw InputError("the key is missing", place + "/" + key);
+            if (!points.at(key).is_number_integer())
+                throw InputError("a whole number is expected", place + "/" + key);
+            answers.points.at(q) = points.at(key).get<int>();
+        }
+        check_answers(answers, where);
+        return answers;
+    }
+
+    Json json_of(const Choice& choice)
+    {
+        Json json { { "approach", choice.approach }, { "by", choice.by }, { "why", choice.why },
+            { "when", choice.when } };
+        if (!choice.plan.empty())
+            json["plan"] = choice.plan;
+        return json;
+    }
+
+    Json json_of(const Answers& answers)
+    {
+        Json points = Json::object();
+        for (std::size_t q = 0; q < kQuestions.size(); ++q)
+            points[kQuestions.at(q).key] = answers.points.at(q);
+        Json json { { "by", answers.by }, { "when", answers.when }, { "points", points } };
+        if (!answers.note.empty())
+            json["note"] = answers.note;
+        return json;
+    }
+
+} // namespace
+
+Decisions read_decisions(const std::filesystem::path& file)
+{
+    if (!std::filesystem::exists(file))
+        return {};
+    std::ifstream in(file);
+    const std::string text { std::istreambuf_iterator<char>(in), {} };
+    if (!in)
+        throw IoError("cannot read the decisions", file.string());
+    const Json json = Json::parse(text, nullptr, false);
+    const std::string where = file.string() + "#";
+    if (json.is_discarded())
+        throw InputError("this is not JSON", file.string());
+    check_keys(json, where, { "schema", "choices", "answers" });
+    if (json.at("schema") != kSchema)
+        throw InputError("another schema of decisions than " + std::to_string(kSchema), where + "/schema");
+    Decisions decisions;
+    for (const Json& one : list_in(json, where, "choices"))
+        decisions.choices.push_back(choice_of(one, where + "/choices/" + std::to_string(decisions.choices.size())));
+    for (const Json& one : list_in(json, where, "answers"))
+        decisions.answers.push_back(answers_of(one, where + "/answers/" + std::to_string(decisions.answers.size())));
+    return decisions;
+}
+
+void write_decisions(const std::filesystem::path& file, const Decisions& decisions)
+{
+    Json json { { "schema", kSchema }, { "choices", Json::array() }, { "answers", Json::array() } };
+    for (const Choice& choice : decisions.choices) {
+        check_choice(choice, "/choices/" + std::to_string(json["choices"].size()));
+        json["choices"].push_back(json_of(choice));
+    }
+    for (const Answers& answers : decisions.answers) {
+        check_answers(answers, "/answers/" + std::to_string(json["answers"].size()));
+        json["answers"].push_back(json_of(answers));
+    }
+    write_file_atomically(file, json.dump(2) + "\n");
+}
+
+} // namespace retractor::planner

@@ -1,0 +1,113 @@
+#include "planner/decision/decisions.h"
+
+#include "mesh/base/error.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/test_help.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace retractor::planner {
+namespace decisions_test {
+
+    using test_support::message_of;
+
+    Decisions some()
+    {
+        return { .choices
+            = { { .approach = "median", .by = "A. Suzuki", .why = "old scar", .when = "2026-11-26T10:00:00Z" },
+                { .approach = "midcab",
+                    .by = "the team",
+                    .why = "seen best",
+                    .when = "2026-11-27T10:00:00Z",
+                    .plan = "Shows 53 % of the aneurysm." } },
+            .answers
+            = { { .by = "B", .when = "2026-11-27T11:00:00Z", .points = { 1, 2, 3, 4, 5, 1 }, .note = "colours" } } };
+    }
+
+    Decisions decisions_of(const std::string& text)
+    {
+        const test_support::TemporaryFolder folder;
+        std::ofstream(folder / "case.decisions.json") << text;
+        return read_decisions(folder / "case.decisions.json");
+    }
+
+    TEST(Decisions, AreReadAsTheyWereWritten)
+    {
+        const test_support::TemporaryFolder folder;
+        const std::filesystem::path file = folder / "written.decisions.json";
+        EXPECT_TRUE(read_decisions(file).choices.empty()) << "no file, no decision";
+        write_decisions(file, some());
+        const Decisions read = read_decisions(file);
+        ASSERT_EQ(read.choices.size(), 2U);
+        EXPECT_EQ(read.choices[1].approach, "midcab");
+        EXPECT_EQ(read.choices[1].plan, "Shows 53 % of the aneurysm.");
+        EXPECT_EQ(read.choices[0].plan, "");
+        ASSERT_EQ(read.answers.size(), 1U);
+        EXPECT_EQ(read.answers[0].points, some().answers[0].points);
+        EXPECT_EQ(read.answers[0].note, "colours");
+    }
+
+    TEST(Decisions, ADamagedFileIsRefusedWithThePlace)
+    {
+        const auto message = [](const std::string& text) { return message_of([&] { (void)decisions_of(text); }); };
+        EXPECT_NE(message("{").find("this is not JSON"), std::string::npos);
+        EXPECT_NE(message("[]").find("an object is expected"), std::string::npos);
+        EXPECT_NE(message(R"({"schema":2,"choices":[],"answers":[]})").find("/schema"), std::string::npos);
+        EXPECT_NE(message(R"({"schema":1,"choices":[],"answers":[],"more":1})").find("/more"), std::string::npos);
+        EXPECT_NE(message(R"({"schema":1,"choices":[{"approach":"a","by":"b","when":"c"}],"answers":[]})")
+                      .find("/choices/0/why"),
+            std::string::npos);
+        EXPECT_NE(message(R"({"schema":1,"choices":[{"approach":"a","by":" ","why":"w","when":"c"}],"answers":[]})")
+                      .find("/choices/0/by"),
+            std::string::npos);
+        const auto with = [](const std::string& shape) {
+            return R"({"schema":1,"choices":[],"answers":[{"by":"B","when":"c","points":{"shape":)" + shape
+                + R"(,"location":1,"quality":1,"planning":1,"crisis":1,"necessity":1}}]})";
+        };
+        EXPECT_EQ(decisions_of(with("5")).answers[0].points[0], 5);
+        for (const char* wrong : { "0", "6", "2.5", "\"3\"", "null" })
+            EXPECT_NE(message(with(wrong)).find("/answers/0/points/shape"), std::string::npos) << wrong;
+    }
+
+    TEST(Decisions, NothingIsWrittenThatCouldNotBeRead)
+    {
+        const test_support::TemporaryFolder folder;
+        const std::filesystem::path file = folder / "kept.decisions.json";
+        write_decisions(file, some());
+        Decisions wrong = some();
+        wrong.answers[0].points[2] = 6;
+        EXPECT_THROW(write_decisions(file, wrong), InputError);
+        wrong = some();
+        wrong.choices[0].why = "\n";
+        EXPECT_THROW(write_decisions(file, wrong), InputError);
+        EXPECT_EQ(read_decisions(file).choices.size(), 2U) << "what was there stays";
+    }
+
+    TEST(Decisions, TheLastAnswersOfAPersonToACaseCount)
+    {
+        const Answers first { .by = "A", .when = {}, .points = { 1, 1, 1, 1, 1, 1 } };
+        const Answers again { .by = "A", .when = {}, .points = { 5, 4, 3, 2, 1, 5 } };
+        const Answers other { .by = "B", .when = {}, .points = { 2, 4, 3, 3, 3, 5 } };
+        const auto summary = summary_of({ { first, other, again }, {}, { first } });
+        EXPECT_EQ(summary[0].answers, 3);
+        constexpr double kRoundOff = 1e-12;
+        EXPECT_NEAR(summary[0].mean, (5.0 + 2.0 + 1.0) / 3.0, kRoundOff);
+        EXPECT_EQ(summary[0].least, 1);
+        EXPECT_EQ(summary[0].most, 5);
+        EXPECT_EQ(summary[1].count, (std::array<int, kMostPoints> { 1, 0, 0, 2, 0 }));
+        EXPECT_EQ(summary_of({})[3].answers, 0);
+        EXPECT_FALSE(summary_of({})[3].least);
+    }
+
+    TEST(Decisions, TheChoiceIsOneSentence)
+    {
+        EXPECT_EQ(
+            choice_sentence(some().choices[1], "MIDCAB"), "Chosen: MIDCAB, by the team on 2026-11-27: seen best.");
+    }
+
+} // namespace decisions_test
+} // namespace retractor::planner

@@ -24,12 +24,14 @@
 
 #include <algorithm>
 #include <array>
+#include <climits>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -218,12 +220,36 @@ namespace {
         return found;
     }
 
+    /// The pixels of the binary frames, eight to a byte without a gap between frames (DICOM PS3.5 8.1.1). DCMTK 3.6.7
+    /// itself unpacks frames wrongly whose number of pixels is no multiple of eight.
+    std::span<const Uint8> packed_pixels(DcmSegmentation& object, DcmDataset& data)
+    {
+        const Uint8* bytes = nullptr;
+        unsigned long count = 0;
+        if (object.getSegmentationType() != DcmSegTypes::ST_BINARY
+            || data.findAndGetUint8Array(DCM_PixelData, bytes, &count).bad() || bytes == nullptr)
+            return {};
+        return { bytes, count };
+    }
+
     /// Sets the voxels of one frame that the segment fills.
-    void add_frame(DcmSegmentation& object, const FrameGrid& found, const Frame& frame, std::uint16_t most,
-        std::vector<std::uint8_t>& voxels, const fs::path& file)
+    /// @param packed_bits as packed_pixels(); empty: the library unpacks the frame
+    void add_frame(DcmSegmentation& object, std::span<const Uint8> packed_bits, const FrameGrid& found,
+        const Frame& frame, std::uint16_t most, std::vector<std::uint8_t>& voxels, const fs::path& file)
     {
         const std::size_t pixels
             = static_cast<std::size_t>(found.grid.size[0]) * static_cast<std::size_t>(found.grid.size[1]);
+        const int k = found.planes.index(found.grid.direction.col(2).dot(frame.position));
+        const std::size_t start = found.grid.offset(0, 0, k);
+        if (!packed_bits.empty()) {
+            const std::size_t first = frame.number * pixels;
+            if ((first + pixels + CHAR_BIT - 1) / CHAR_BIT > packed_bits.size())
+                refuse("frame " + std::to_string(frame.number + 1) + " has too few pixels", file);
+            for (std::size_t p = 0; p < pixels; ++p)
+                if (((packed_bits[(first + p) / CHAR_BIT] >> ((first + p) % CHAR_BIT)) & 1) != 0)
+                    voxels[start + p] = 1;
+            return;
+        }
         const DcmIODTypes::Frame* packed = object.getFrame(frame.number);
         if (packed == nullptr)
             refuse("frame " + std::to_string(frame.number + 1) + " has no pixels", file);
@@ -235,8 +261,6 @@ namespace {
         const DcmIODTypes::Frame* values = binary ? unpacked.get() : packed;
         if (values == nullptr || values->length < pixels)
             refuse("frame " + std::to_string(frame.number + 1) + " has too few pixels", file);
-        const int k = found.planes.index(found.grid.direction.col(2).dot(frame.position));
-        const std::size_t start = found.grid.offset(0, 0, k);
         for (std::size_t p = 0; p < pixels; ++p)
             if (binary ? values->pixData[p] != 0 : 2 * values->pixData[p] >= most)
                 voxels[start + p] = 1;
@@ -255,6 +279,7 @@ namespace {
         format.getDataset()->findAndGetUint16(DCM_MaximumFractionalValue, most);
         const FrameGrid found = grid_of(*object, *format.getDataset(), file);
         check_size(found.grid, file);
+        const std::span<const Uint8> packed = packed_pixels(*object, *format.getDataset());
         SegmentLayers layers(found.grid);
         std::vector<std::string> empty;
         std::vector<std::uint8_t> voxels(found.grid.voxel_count());
@@ -265,7 +290,7 @@ namespace {
             job.report("read labels", static_cast<double>(done++) / static_cast<double>(found.frames.size()));
             std::ranges::fill(voxels, std::uint8_t { 0 });
             for (const Frame& frame : frames)
-                add_frame(*object, found, frame, most, voxels, file);
+                add_frame(*object, packed, found, frame, most, voxels, file);
             OFString name;
             DcmSegment* segment = object->getSegment(number);
             if (segment == nullptr || segment->getSegmentLabel(name).bad() || name.empty())

@@ -17,6 +17,11 @@ namespace {
 
 } // namespace
 
+std::string folder_name(const Case& planned_case)
+{
+    return std::filesystem::absolute(planned_case.file()).lexically_normal().parent_path().filename().string();
+}
+
 std::filesystem::path decisions_file(const Case& planned_case)
 {
     std::filesystem::path file = planned_case.file();
@@ -96,7 +101,7 @@ std::string sheet_html(const Case& planned_case, const std::string& chosen)
           "text-align: left; } .points { text-align: center; width: 3.2em; font-size: 20px; } "
           ".line { border-bottom: 1px solid #888; display: inline-block; min-width: 16em; } "
           "p { margin: 14px 0; }</style></head><body><h1>Six questions on a planned surgical field</h1>";
-    page += "<p>Case: " + escaped(planned_case.file().parent_path().filename().string()) + "</p>";
+    page += "<p>Case: " + escaped(folder_name(planned_case)) + "</p>";
     std::vector<std::string> names;
     for (const Approach& approach : planned_case.approaches)
         names.push_back(spoken_name(approach));

@@ -57,6 +57,9 @@ struct Decisions {
     std::vector<Answers> answers; ///< the oldest first
 };
 
+/// The name of the folder of a case.
+std::string folder_name(const Case& planned_case);
+
 /// "case.decisions.json" beside "case.json".
 std::filesystem::path decisions_file(const Case& planned_case);
 

@@ -88,7 +88,7 @@ namespace {
                 return { .opened = *std::move(touching), .contact = std::move(metrics) };
             }
             if (!finished) {
-                without = open_({}, nullptr, {}, job_);
+                without = open_({}, &without, {}, job_);
                 test(without.opening);
             }
             if (is_needed())

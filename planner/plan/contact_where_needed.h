@@ -36,7 +36,7 @@ inline constexpr double kPenetrationToleranceMm = 0.2;
 
 /// The time for contact, in times of the solution without contact, and at least. Newton's method finds one by one which
 /// points touch, and each set of points takes a solution of its own.
-inline constexpr double kContactTimes = 8.0, kLeastContactS = 120.0;
+inline constexpr double kContactTimes = 2.0, kLeastContactS = 60.0;
 
 /// The organs that stay in place, as rigid surfaces.
 struct ContactSurfaces {

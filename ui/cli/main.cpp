@@ -21,6 +21,7 @@ void add_commands(retractor::ui::cli::Commands& commands)
     add_search_command(commands);
     add_batch_command(commands);
     add_decision_commands(commands);
+    add_dicom_command(commands);
     add_palpable_command(commands);
     add_palpate_command(commands);
     add_relay_command(commands);

@@ -194,8 +194,7 @@ namespace {
         for (std::size_t n = 0; n < cases.size(); ++n)
             for (const planner::Answers& one : answers[n])
                 if (!one.note.empty())
-                    outcome.text
-                        += one.by + ", " + cases[n].file().parent_path().filename().string() + ": " + one.note + "\n";
+                    outcome.text += one.by + ", " + planner::folder_name(cases[n]) + ": " + one.note + "\n";
         return outcome;
     }
 

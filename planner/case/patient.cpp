@@ -159,6 +159,7 @@ std::vector<fem::Material> materials_as_solved(Patient& patient, ElementKind ele
 {
     std::vector<fem::Material> materials = materials_as_solved(patient.planned_case(), element);
     apply_bone_stiffness(*patient.bone_stiffness(), materials);
+    scale_materials(patient.stiffness_factors(), materials);
     return materials;
 }
 

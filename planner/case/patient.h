@@ -7,12 +7,14 @@
 #include "planner/anatomy/anatomy.h"
 #include "planner/anatomy/bone_stiffness.h"
 #include "planner/case/case.h"
+#include "planner/uncertainty/stiffness_factors.h"
 
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace retractor::planner {
@@ -51,9 +53,14 @@ public:
     /// @throws InputError as organ() and site_surface() do
     std::shared_ptr<const TriMesh> target(const TargetSpec& target);
 
+    /// Plans with other stiffness than the case's (planner/uncertainty/stiffness_factors.h). @pre nothing is planned yet
+    void set_stiffness_factors(StiffnessFactors factors) { stiffness_factors_ = std::move(factors); }
+    const StiffnessFactors& stiffness_factors() const { return stiffness_factors_; }
+
 private:
     Case case_;
     Job job_;
+    StiffnessFactors stiffness_factors_;
     std::recursive_mutex mutex_; ///< recursive: a part is built from other parts
     std::shared_ptr<const mesh::Volume> ct_;
     std::shared_ptr<const mesh::LabelVolume> labels_;

@@ -106,7 +106,7 @@ Provenance provenance_of(const Case& planned_case, std::string program, std::chr
 
 std::vector<std::pair<std::string, std::string>> provenance_rows(const Provenance& provenance)
 {
-    return {
+    std::vector<std::pair<std::string, std::string>> rows {
         { "Computed", provenance.date + ", by " + provenance.program },
         { "Case", provenance.case_file },
         { "Patient",
@@ -119,6 +119,9 @@ std::vector<std::pair<std::string, std::string>> provenance_rows(const Provenanc
         { "Pressure on the wall", pressures_text(provenance.pressures) },
         { "Held at", supports_text(provenance.supports) },
     };
+    if (!provenance.stiffness.empty())
+        rows.emplace_back("Stiffness in multiples of the case's", provenance.stiffness);
+    return rows;
 }
 
 std::string law_text(const Provenance& provenance, const fem::Material& material)
@@ -145,6 +148,8 @@ nlohmann::ordered_json provenance_document(const Provenance& provenance)
         json["pressures"].push_back({ { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa } });
     json["supports"]
         = { { "labels", provenance.supports.labels }, { "region_border", provenance.supports.region_border } };
+    if (!provenance.stiffness.empty())
+        json["stiffness_factors"] = provenance.stiffness;
     json["materials"] = Json::array();
     for (const fem::Material& material : provenance.materials)
         json["materials"].push_back({ { "name", material.name }, { "youngs_modulus_MPa", material.youngs_modulus_MPa },

@@ -26,6 +26,7 @@ struct Provenance {
     ContactMode contact = ContactMode::automatic;
     std::vector<PressureSpec> pressures;
     SupportSpec supports;
+    std::string stiffness {}; ///< factors on the stiffness, as stiffness_text(); empty: none
     fem::MaterialTable materials; ///< materials of the wall's labels, with Poisson's ratios as the elements take them
 };
 

@@ -572,6 +572,7 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
         .hooks = field.hooks,
         .loads = std::move(cut.released),
         .pressures = {} };
+    scale_springs(patient.stiffness_factors(), planned_case.label_table, field.problem);
     for (WallPressure& pressure : wall_pressures(field.wall, labels, planned_case, cut.wound)) {
         field.metrics.pressures.push_back(
             pressure_metrics(field.wall, pressure, choice.elasticity != fem::Elasticity::linear));

@@ -4,6 +4,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/measures/bones/bone_limits.h"
+#include "planner/uncertainty/stiffness_factors.h"
 #include "planner/wall/rib_joints.h"
 
 #include <algorithm>
@@ -16,7 +17,7 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr std::string_view kRib = "rib", kJoint = "costovertebral joint", kGirdle = "bed of the shoulder girdle";
+    constexpr std::string_view kRib = "rib";
 
     constexpr std::array kRanges {
         PublishedRange { "skin", 0.02, 1.18, "shear wave to the first slope in tension, arXiv 1302.3022" },
@@ -28,8 +29,8 @@ namespace {
         PublishedRange { "cartilage", kPerichondrium* kSoftestCartilageMPa, kPerichondrium* kStiffestCartilageMPa,
             "substance 5 to 25 MPa, with perichondrium, Forman 2010" },
         // 0.2 N m over 20.9 and over 6.4 degrees, N m/rad.
-        PublishedRange { kJoint, 0.548, 1.790, "turns by 6.4 to 20.9 degrees, Lebschy 2024, J Biomech 163:111923" },
-        PublishedRange { kGirdle, 1.0 / 3.0, 3.0, "a factor of 3 to either side, ours" },
+        PublishedRange { kJointSprings, 0.548, 1.790, "turns by 6.4 to 20.9 degrees, Lebschy 2024, J Biomech 163:111923" },
+        PublishedRange { kGirdleSprings, 1.0 / 3.0, 3.0, "a factor of 3 to either side, ours" },
     };
 
     struct Parameter {
@@ -106,14 +107,7 @@ namespace {
     /// The springs and hinges of the ribs' joints, and the springs under the shoulder girdle.
     std::vector<Parameter> spring_parameters(const PlannedField& field, const mesh::LabelTable& table)
     {
-        const mesh::TetMesh& mesh = field.problem.mesh;
-        const mesh::LabelFlags is_rib_label
-            = mesh::flagged_labels(table, [](const mesh::LabelInfo& info) { return is_rib(info.name); });
-        std::vector<std::uint8_t> on_rib(mesh.vertex_count(), 0);
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            if (is_rib_label[mesh.labels[static_cast<std::size_t>(t)]] != 0)
-                for (const VertexId v : mesh.tet(t))
-                    on_rib[static_cast<std::size_t>(v)] = 1;
+        const std::vector<std::uint8_t> on_rib = vertices_on_ribs(field.problem.mesh, table);
         const auto parameter_of = [](std::string_view name, const char* unit, double value) {
             Parameter parameter { .members = { .name = std::string(name) }, .influence = {} };
             parameter.influence.name = name;
@@ -125,8 +119,8 @@ namespace {
             return parameter;
         };
         constexpr double kNmPerNmm = 1e-3;
-        std::vector<Parameter> parameters { parameter_of(kJoint, "N m/rad", kNmPerNmm * kJointNmm_per_rad),
-            parameter_of(kGirdle, "1", 1.0) };
+        std::vector<Parameter> parameters { parameter_of(kJointSprings, "N m/rad", kNmPerNmm * kJointNmm_per_rad),
+            parameter_of(kGirdleSprings, "1", 1.0) };
         const std::vector<fem::BeddedVertex>& bedded = field.problem.supports.bedded;
         for (std::size_t i = 0; i < bedded.size(); ++i)
             parameters[on_rib[static_cast<std::size_t>(bedded[i].vertex)] != 0 ? 0 : 1].members.springs.push_back(i);

@@ -20,6 +20,8 @@ void add_compare_command(Commands& commands);
 void add_search_command(Commands& commands);
 /// Plans many approaches.
 void add_batch_command(Commands& commands);
+/// Plans a case with many values of tissue stiffness.
+void add_sensitivity_command(Commands& commands);
 /// Writes a plan as DICOM.
 void add_dicom_command(Commands& commands);
 /// Adds `choose` and `questionnaire`: what a team decided.

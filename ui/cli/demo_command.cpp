@@ -66,7 +66,7 @@ namespace {
         write_field_report(staged.folder(), patient, computed, fields, pictures);
 
         Outcome outcome;
-        outcome.document = write_metrics(staged.folder(), computed, fields);
+        outcome.document = write_metrics(staged.folder(), computed, patient, fields);
         staged.publish("metrics.json");
         Json seconds = Json::object();
         for (const auto& [stage, time] : times)

@@ -1,35 +1,16 @@
 #include "ui/cli/commands.h"
 
-#include "mesh/base/each_on_threads.h"
-#include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "planner/case/case_io.h"
-#include "ui/cli/batch/batch_summary.h"
-#include "ui/cli/batch/job_status.h"
+#include "ui/cli/batch/run_batch.h"
 #include "ui/cli/batch/sweep.h"
 #include "ui/cli/framework/number_range.h"
-#include "ui/cli/framework/out_folder.h"
-#include "ui/cli/framework/run_program.h"
 
 #include <CLI/CLI.hpp>
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
-#include <algorithm>
-#include <atomic>
-#include <cerrno>
-#include <chrono>
-#include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -41,163 +22,8 @@ namespace {
 
     struct BatchOptions {
         std::string sweep, out;
-        int processes = 0; ///< 0: one per core
-        double limit_s = 6.0 * 3600.0; ///< of one job
-        bool retry = false;
+        BatchSettings settings;
     };
-
-    /// Holds a folder for one batch at a time, until this process ends.
-    class FolderLock {
-    public:
-        explicit FolderLock(const fs::path& folder)
-            : file_(::open((folder / ".batch.lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644))
-        {
-            if (file_ < 0)
-                throw IoError("cannot write into the folder", folder.string());
-            if (::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-                ::close(file_);
-                throw InputError("another batch is at work in this folder", folder.string());
-            } // a file system without locks cannot tell
-        }
-        FolderLock(const FolderLock&) = delete;
-        FolderLock& operator=(const FolderLock&) = delete;
-        ~FolderLock() { ::close(file_); }
-
-    private:
-        int file_;
-    };
-
-    /// What the result of a job depends on.
-    std::string inputs_of(const BatchJob& job, const std::string& case_sum)
-    {
-        std::string text = "retractor " RETRACTOR_VERSION " " + case_sum + " " + job.approach;
-        for (const std::string& option : job.options)
-            text += " " + option;
-        return text;
-    }
-
-    double size_of(const fs::path& folder)
-    {
-        double bytes = 0.0;
-        for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
-            if (entry.is_regular_file())
-                bytes += static_cast<double>(entry.file_size());
-        return bytes;
-    }
-
-    /// Why a job has no answer, from what the program printed.
-    struct Failure {
-        std::string reason;
-        bool lasting = true; ///< JobStatus::lasting
-    };
-    Failure failure_of(const ProgramRun& run, double limit_s)
-    {
-        constexpr int kBadInput = 2;
-        if (run.timed_out)
-            return { "took longer than " + in_words(limit_s) + " s" };
-        const Json json = Json::parse(run.out, nullptr, false);
-        if (!json.is_object())
-            return { "the program ended without an answer: it crashed, was killed or had no memory", false };
-        if (json.contains("error")) {
-            const std::string where = json.value("where", std::string());
-            return { json["error"].get<std::string>() + (where.empty() ? "" : " (" + where + ")"),
-                run.exit_code == kBadInput };
-        }
-        if (json.contains("refused") && !json["refused"].empty())
-            return { json["refused"][0].value("message", std::string()) };
-        for (const Json& approach : json.value("approaches", Json::array())) {
-            const Json verdict = approach.value("verdict", Json::object());
-            if (verdict.value("light", std::string()) == "unknown")
-                return { verdict["sentences"][0].get<std::string>() };
-            if (approach.contains("second_opinion") && approach["second_opinion"].value("status", "") != "agrees")
-                return { "the second opinion does not agree" };
-        }
-        return { "exit code " + std::to_string(run.exit_code), false };
-    }
-
-    /// Runs one job in a folder of its own, which is emptied first. @returns its status; running: it was cancelled
-    JobStatus run_job(const BatchJob& job, const std::string& inputs, const fs::path& folder, double limit_s,
-        const std::function<bool()>& stop)
-    {
-        fs::remove_all(folder);
-        make_folder(folder);
-        JobStatus status { .inputs = inputs };
-        write_job_status(folder, status);
-        // Each process has one thread, so that as many run at once as there are cores.
-        // The program by this name is the one that runs here, also where a new version has taken its place.
-        std::vector<std::string> words { "/proc/self/exe", "--json", "--threads", "1", "plan", job.case_file.string(),
-            "--approach", job.approach, "--out", folder.string() };
-        words.insert(words.end(), job.options.begin(), job.options.end());
-        const Stopwatch watch;
-        const ProgramRun run = run_program(words, std::chrono::milliseconds(std::llround(1000.0 * limit_s)), {}, stop);
-        if (run.stopped)
-            return status;
-        status.seconds = watch.seconds();
-        status.peak_bytes = run.peak_bytes;
-        if (run.exit_code == 0 && !numbers_in(folder).is_null()) {
-            status.state = JobStatus::State::done;
-        } else {
-            const Failure failure
-                = run.exit_code == 0 ? Failure { "the program gave no numbers" } : failure_of(run, limit_s);
-            status.state = JobStatus::State::failed;
-            status.reason = failure.reason;
-            status.lasting = failure.lasting;
-        }
-        status.disk_bytes = size_of(folder);
-        write_job_status(folder, status);
-        return status;
-    }
-
-    /// The rows of a sweep, with the statuses of an earlier run that still hold.
-    std::vector<BatchRow> rows_of(
-        const std::vector<BatchJob>& jobs, const std::vector<std::string>& inputs, const fs::path& folder, bool retry)
-    {
-        std::vector<BatchRow> rows;
-        for (std::size_t n = 0; n < jobs.size(); ++n) {
-            BatchRow row { .job = jobs[n], .status = read_job_status(folder / jobs[n].name) };
-            const bool holds = row.status && row.status->inputs == inputs[n]
-                && row.status->state != JobStatus::State::running
-                && !(row.status->state == JobStatus::State::failed && (retry || !row.status->lasting));
-            if (!holds)
-                row.status.reset();
-            read_numbers(row, folder);
-            rows.push_back(std::move(row));
-        }
-        return rows;
-    }
-
-    /// Runs what has no status yet, several at a time. The summary is written after every job.
-    void run_rows(std::vector<BatchRow>& rows, const std::vector<std::string>& inputs, const fs::path& folder,
-        const fs::path& jobs_folder, const BatchOptions& options, const Job& job)
-    {
-        std::vector<std::size_t> open;
-        for (std::size_t n = 0; n < rows.size(); ++n)
-            if (!rows[n].status)
-                open.push_back(n);
-        std::mutex mutex; // of the rows and the summary
-        std::size_t ended = 0;
-        std::atomic<bool> broken { false }; ///< a full disk concerns all jobs
-        job.report("jobs", 0.0);
-        const auto cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-        each_on_threads(open.size(), options.processes > 0 ? options.processes : cores, job, [&](std::size_t i) {
-            BatchRow& row = rows[open[i]];
-            try {
-                const BatchJob one = row.job;
-                const JobStatus status = run_job(one, inputs[open[i]], jobs_folder / one.name, options.limit_s,
-                    [&] { return job.cancelled() || broken.load(); });
-                if (status.state == JobStatus::State::running)
-                    return; // stopped
-                const std::scoped_lock lock(mutex);
-                row.status = status;
-                read_numbers(row, jobs_folder);
-                write_batch_summary(folder, jobs_folder, rows);
-                job.report("jobs", static_cast<double>(++ended) / static_cast<double>(open.size()));
-            } catch (...) {
-                broken.store(true);
-                throw;
-            }
-        });
-    }
 
     Outcome outcome_of(const std::vector<BatchRow>& rows, std::size_t skipped, const fs::path& folder, double seconds)
     {
@@ -237,28 +63,9 @@ namespace {
 
     Outcome batch(const BatchOptions& options, const Job& job)
     {
-        const std::vector<BatchJob> jobs = read_sweep(options.sweep);
         const fs::path folder = fs::absolute(options.out);
-        const fs::path jobs_folder = folder / "jobs";
-        make_folder(folder);
-        const FolderLock lock(folder);
-        make_folder(jobs_folder);
-        std::map<fs::path, std::string> sums;
-        std::vector<std::string> inputs;
-        for (const BatchJob& one : jobs) {
-            std::string& sum = sums[one.case_file];
-            if (sum.empty())
-                sum = planner::checksum(one.case_file);
-            inputs.push_back(inputs_of(one, sum));
-        }
-        ::setenv("OPENBLAS_NUM_THREADS", "1", 1);
-        std::vector<BatchRow> rows = rows_of(jobs, inputs, jobs_folder, options.retry);
-        const auto skipped = static_cast<std::size_t>(
-            std::ranges::count_if(rows, [](const BatchRow& row) { return row.status.has_value(); }));
-        const Stopwatch watch;
-        run_rows(rows, inputs, folder, jobs_folder, options, job);
-        write_batch_summary(folder, jobs_folder, rows);
-        return outcome_of(rows, skipped, folder, watch.seconds());
+        const BatchRun run = run_batch(read_sweep(options.sweep), folder, options.settings, job);
+        return outcome_of(run.rows, run.skipped, folder, run.seconds);
     }
 
 } // namespace
@@ -280,12 +87,12 @@ void add_batch_command(Commands& commands)
             "Folder for summary.html, summary.csv and one folder per job; jobs that it holds already are not done "
             "again")
         ->required();
-    command->add_option("--jobs", options->processes, "Number of jobs at a time (default: one per core)")
+    command->add_option("--jobs", options->settings.processes, "Number of jobs at a time (default: one per core)")
         ->check(CLI::Range(1, 256));
-    command->add_option("--limit", options->limit_s, "Time limit of one job, s")
+    command->add_option("--limit", options->settings.limit_s, "Time limit of one job, s")
         ->check(in_range(1.0, 1e6))
         ->capture_default_str();
-    command->add_flag("--retry", options->retry, "Also do failed jobs again");
+    command->add_flag("--retry", options->settings.retry, "Also do failed jobs again");
     commands.on(command, [options](const Job& job) { return batch(*options, job); });
 }
 

@@ -12,12 +12,15 @@
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
 #include "planner/measures/bones/bone_limits.h"
+#include "planner/measures/comparison.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/ranking.h"
 #include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
 #include "planner/measures/tissue_values.h"
+#include "planner/measures/verdict.h"
 #include "planner/measures/volume_failures.h"
 #include "ui/cli/plan/metrics_csv.h"
 #include "ui/plan_scene/case_picture.h"
@@ -335,7 +338,7 @@ std::vector<std::string> keep_earlier_metrics(const std::filesystem::path& folde
     return lost;
 }
 
-Json write_metrics(const std::filesystem::path& folder, const planner::Provenance& computed,
+Json write_metrics(const std::filesystem::path& folder, const planner::Provenance& computed, planner::Patient& patient,
     const std::vector<planner::PlannedField>& fields)
 {
     std::vector<planner::FieldMetrics> metrics;
@@ -345,6 +348,17 @@ Json write_metrics(const std::filesystem::path& folder, const planner::Provenanc
     Json document;
     document["computed"] = planner::provenance_document(computed);
     document.update(planner::metrics_document(metrics));
+    std::size_t written = 0;
+    for (const planner::PlannedField& field : fields)
+        if (is_measured(field)) {
+            Json& numbers = document["approaches"][written++];
+            if (is_solved(field.metrics) && planner::why_not_to_use(field.metrics).empty())
+                numbers["score"] = planner::score_of(
+                    { .field = field.metrics,
+                        .divided_bones = planner::divided_bones(*patient.labels(), field.approach) },
+                    planner::default_weights())
+                                       .points;
+        }
     const Json refused = refused_document(fields);
     if (!refused.empty())
         document["refused"] = refused;

@@ -49,7 +49,7 @@ std::vector<std::string> keep_earlier_metrics(const std::filesystem::path& folde
     const std::vector<planner::PlannedField>& fields);
 
 /// Writes metrics.json, and its numbers as metrics.csv. @return the document
-Json write_metrics(const std::filesystem::path& folder, const planner::Provenance& computed,
+Json write_metrics(const std::filesystem::path& folder, const planner::Provenance& computed, planner::Patient& patient,
     const std::vector<planner::PlannedField>& fields);
 
 /// Writes report.html from the plans and pictures.

@@ -47,7 +47,7 @@ namespace {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
         bool without_names = false;
         std::string reference, contact;
-        std::vector<std::string> pressures;
+        std::vector<std::string> pressures, stiffness;
         std::optional<std::string> export_formats;
         double reference_limit_s = 600.0;
         std::optional<double> near_mm; ///< where it was given, also 0
@@ -126,6 +126,28 @@ namespace {
             std::erase_if(planned_case.pressures, of(label));
         }
         planned_case.pressures.insert(planned_case.pressures.end(), given.begin(), given.end());
+    }
+
+    /// Factors of the texts "skin=1.5". @throws InputError as check_stiffness_factors(), and on a text of another form
+    planner::StiffnessFactors stiffness_factors(
+        const planner::Case& planned_case, const std::vector<std::string>& texts)
+    {
+        planner::StiffnessFactors factors;
+        for (const std::string& text : texts) {
+            const std::string where = "--stiffness " + text;
+            const std::size_t equals = text.find('=');
+            if (equals == std::string::npos || equals == 0)
+                throw InputError("a factor is NAME=NUMBER", where);
+            if (!factors.emplace(text.substr(0, equals), parse_numbers(text.substr(equals + 1), 1, where).front())
+                     .second)
+                throw InputError("this stiffness is given twice", where);
+        }
+        try {
+            planner::check_stiffness_factors(planned_case, factors);
+        } catch (const InputError& error) {
+            throw InputError(error.what(), "--stiffness " + error.where());
+        }
+        return factors;
     }
 
     planner::PlanChecks checks_of(const PlanOptions& options)
@@ -229,6 +251,7 @@ namespace {
             , folder(options.out)
             , made(folder)
         {
+            patient.set_stiffness_factors(stiffness_factors(patient.planned_case(), options.stiffness));
             drawn = rounds == Rounds::one
                 ? saved_or_planned(patient, job, checks)
                 : DrawnFields { .fields = plan_all(patient, job, checks), .saved = {}, .remarks = {} };
@@ -292,7 +315,8 @@ namespace {
         PlannedCase planned(options, Rounds::to_accuracy, job);
         auto& [in_file, patient, request, checks, folder, made, drawn] = planned;
         std::vector<planner::PlannedField>& fields = drawn.fields;
-        const planner::Provenance computed = provenance_now(patient.planned_case());
+        planner::Provenance computed = provenance_now(patient.planned_case());
+        computed.stiffness = planner::stiffness_text(patient.stiffness_factors());
         StagedResults staged(folder);
         write_field_meshes(staged.folder(), patient, fields);
         std::string exported;
@@ -314,10 +338,11 @@ namespace {
         }
         Outcome outcome;
         const std::vector<std::string> kept = keep_earlier_metrics(folder, staged.folder(), fields);
-        outcome.document = write_metrics(staged.folder(), computed, fields);
+        outcome.document = write_metrics(staged.folder(), computed, patient, fields);
         staged.publish("metrics.json");
         outcome.text = field_table(fields) + exported;
-        if (!options.accuracy && !options.time_s) // a plan that was hurried takes no better one's place
+        if (!options.accuracy && !options.time_s
+            && options.stiffness.empty()) // a plan that was hurried takes no better one's place
             outcome.text += save_plans(in_file, patient.planned_case(), fields);
         if (!kept.empty()) {
             const std::string file = (folder / "metrics-earlier.json").string();
@@ -565,6 +590,12 @@ void add_plan_command(Commands& commands)
         "FORCE%[,MM]: plan again on finer meshes until the force's error bar is at most this share of the force and "
         "the opening's bar at most MM. none: one mesh (default: the case's solution, else 15%,2; also "
         "\"accuracy\" of \"solution\" in case.json)");
+    command
+        ->add_option("--stiffness", options->stiffness,
+            "NAME=FACTOR, separated by commas: stiffness of a material of the wall, or of the springs \"costovertebral "
+            "joint\" and \"bed of the shoulder girdle\", in multiples of the case's. Such a plan is not saved with the "
+            "case (retractor sensitivity plans with many)")
+        ->delimiter(',');
     command
         ->add_option("--time", options->time_s,
             "Time (s) for the meshes of one approach: a finer mesh that would take longer is not tried (default: the "

@@ -149,6 +149,84 @@ TEST_F(Batch, GoesOnAfterItWasKilled)
             read(fs::path(folder_out) / "jobs" / (std::string("c-straight-") + name) / "status.json")["state"], "done");
 }
 
+TEST_F(Batch, PlansWithManyValuesOfStiffness)
+{
+    fs::copy(folder / "c", folder / "s", fs::copy_options::recursive);
+    const std::string file = (folder / "s" / "case.json").string();
+    ASSERT_EQ(run("approach remove " + file + " --name straight").exit_code, 0);
+    ASSERT_EQ(run("approach add " + file
+                  + " --points 0,0,-25 0,0,25 --target target --retract cavity --name straight --hooks 2 --opening 6")
+                  .exit_code,
+        0);
+    const CommandRun first = run("--json sensitivity " + file + " --out " + out("samples") + " --samples 3 --seed 5");
+    EXPECT_EQ(first.exit_code, 0) << first.out;
+    const Json document = Json::parse(first.out);
+    const Json& measures = document["approaches"][1]["measures"];
+    EXPECT_EQ(measures["hook_force_N"]["samples"], 3);
+    const double low = measures["hook_force_N"]["p5"], high = measures["hook_force_N"]["p95"];
+    EXPECT_LT(low, high) << "softer and stiffer tissue";
+    EXPECT_EQ(document["failed"], 4) << "no stiffness saves the torn approach";
+    EXPECT_EQ(document["ranking"]["samples"], 0);
+    // The force of a sample is the force of a plan with its factors.
+    const fs::path sample = fs::path(out("samples")) / "jobs" / "sample_002-straight" / "metrics.json";
+    ASSERT_TRUE(fs::exists(sample));
+    const std::string factors = read(sample)["computed"]["stiffness_factors"];
+    const CommandRun alone = run(
+        "--json plan " + file + " --approach straight --draft --stiffness '" + factors + "' --out " + out("alone"));
+    const double there = read(sample)["approaches"][0]["hook_force_N"],
+                 here = Json::parse(alone.out)["approaches"][0]["hook_force_N"];
+    constexpr double kRoundOff = 1e-6; // relative: factors are written with six digits in both
+    EXPECT_NEAR(there, here, kRoundOff * here);
+    EXPECT_EQ(lines_of(fs::path(out("samples")) / "sensitivity.csv").size(), 1U + 4U * 2U);
+    EXPECT_EQ(run("sensitivity " + file + " --out " + out("samples") + " --samples 0").exit_code, 2);
+    const CommandRun wrong = run("--json plan " + file + " --draft --stiffness nothing=2 --out " + out("wrong"));
+    EXPECT_EQ(wrong.exit_code, 2);
+    EXPECT_NE(wrong.out.find("--stiffness nothing=2"), std::string::npos) << wrong.out;
+}
+
+TEST_F(Batch, RecordsChoicesAndAnswers)
+{
+    const std::string file = (folder / "c" / "case.json").string();
+    EXPECT_EQ(run("choose " + file + " nobody --by A --why b").exit_code, 2);
+    EXPECT_EQ(run("choose " + file + " straight --by A").exit_code, 2);
+    EXPECT_FALSE(fs::exists(folder / "c" / "case.decisions.json"));
+    EXPECT_EQ(run("choose " + file + " torn --by 'A. B.' --why 'first thought'").exit_code, 0);
+    EXPECT_EQ(run("choose " + file + " straight --by 'A. B.' --why 'holds'").exit_code, 0);
+    const Json choices = Json::parse(run("--json choose " + file).out)["choices"];
+    ASSERT_EQ(choices.size(), 2U);
+    EXPECT_EQ(choices[1]["approach"], "straight");
+    const std::string points = "--points shape=4,location=5,quality=3,planning=4,crisis=4,necessity=";
+    EXPECT_EQ(run("questionnaire " + file + " --by A " + points + "6").exit_code, 2);
+    EXPECT_EQ(run("questionnaire " + file + " " + points + "5").exit_code, 2);
+    EXPECT_EQ(run("questionnaire " + file + " --by A " + points + "5").exit_code, 0);
+    EXPECT_EQ(run("questionnaire " + file + " --by B " + points + "1").exit_code, 0);
+    const Json summary = Json::parse(run("--json questionnaire " + file).out);
+    EXPECT_EQ(summary["questions"][5]["mean"], 3.0);
+    EXPECT_EQ(run("questionnaire " + file + " --sheet " + out("sheet.html")).exit_code, 0);
+    std::ifstream page(out("sheet.html"));
+    const std::string html { std::istreambuf_iterator<char>(page), {} };
+    EXPECT_NE(html.find("Crisis recognition"), std::string::npos);
+    EXPECT_NE(html.find("Chosen: "), std::string::npos);
+}
+
+TEST_F(Batch, WritesAPlanAsDicom)
+{
+    const std::string file = (folder / "c" / "case.json").string(), plan = out("drawn");
+    ASSERT_EQ(run("plan " + file + " --approach straight --draft --render --out " + plan).exit_code, 0);
+    const CommandRun written = run("--json dicom " + file + " --plan " + plan + " --out " + out("dicom"));
+    EXPECT_EQ(written.exit_code, 0) << written.out;
+    EXPECT_TRUE(fs::exists(fs::path(out("dicom")) / "labels.dcm"));
+    EXPECT_TRUE(fs::exists(fs::path(out("dicom")) / "straight-surgeon.dcm"));
+    // The report needs a browser, which the tests do not install.
+    EXPECT_TRUE(
+        fs::exists(fs::path(out("dicom")) / "report.dcm") != Json::parse(written.out).contains("report_missing"));
+    EXPECT_EQ(run("dicom " + file + " --plan " + plan + " --out " + out("other") + " --with-identity").exit_code, 2);
+    // The labels come back by the import of labels.
+    const CommandRun again = run("--json import " + (folder / "p" / "ct").string() + " --labels "
+        + (fs::path(out("dicom")) / "labels.dcm").string() + " --out " + out("again/case.json"));
+    EXPECT_EQ(again.exit_code, 0) << again.out;
+}
+
 TEST_F(Batch, NamesWhatIsWrongInASweep)
 {
     struct Wrong {

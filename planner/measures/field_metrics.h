@@ -391,6 +391,10 @@ struct FieldMetrics {
     double opening_area_mm2 = 0.0;
     double opening_width_mm = 0.0;
     double working_distance_mm = 0.0;
+    // The opening as the target sees it (OpeningFromTarget).
+    double opening_solid_angle_sr = 0.0;
+    double attack_along_deg = 0.0, attack_across_deg = 0.0;
+    double target_offset_mm = 0.0;
     double incision_length_mm = 0.0;
     double cut_depth_mm = 0.0;
 

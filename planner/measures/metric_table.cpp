@@ -132,6 +132,41 @@ namespace {
             .caption = "Best eye off the square view",
             .meaning = "Angle between the best eye's line of sight and the normal of the opening's skin plane.",
             .member = &FieldMetrics::coaxiality_deg },
+        MetricField { .key = "target_offset_mm",
+            .group = MetricGroup::distances,
+            .unit = MetricUnit::mm,
+            .caption = "Target off the middle",
+            .meaning = "Distance of the target from the line through the middle of the opening, square to the skin.",
+            .member = &FieldMetrics::target_offset_mm,
+            .compared = true },
+        MetricField { .key = "attack_along_deg",
+            .group = MetricGroup::distances,
+            .unit = MetricUnit::degree,
+            .caption = "Angle of attack along the cut",
+            .meaning = "Angle at the target between the outermost straight lines to the lips of the skin, along the "
+                       "incision. What lies between does not count.",
+            .member = &FieldMetrics::attack_along_deg,
+            .better = 1,
+            .bar = MetricBar::of_opening,
+            .compared = true },
+        MetricField { .key = "attack_across_deg",
+            .group = MetricGroup::distances,
+            .unit = MetricUnit::degree,
+            .caption = "Angle of attack across the cut",
+            .meaning = "The same angle across the incision.",
+            .member = &FieldMetrics::attack_across_deg,
+            .better = 1,
+            .bar = MetricBar::of_opening,
+            .compared = true },
+        MetricField { .key = "opening_solid_angle_sr",
+            .group = MetricGroup::distances,
+            .unit = MetricUnit::sr,
+            .caption = "Solid angle of the opening",
+            .meaning = "Solid angle that the opening of the skin fills, seen from the target; half of all directions "
+                       "are 6.3 sr.",
+            .member = &FieldMetrics::opening_solid_angle_sr,
+            .better = 1,
+            .bar = MetricBar::of_opening },
         MetricField { .key = "incision_length_mm",
             .group = MetricGroup::distances,
             .unit = MetricUnit::mm,
@@ -203,6 +238,7 @@ std::string metric_number(const MetricField& metric, double value, int digits)
     case MetricUnit::degree:
     case MetricUnit::mm:
     case MetricUnit::N:
+    case MetricUnit::sr:
     case MetricUnit::none:
         break;
     }
@@ -211,7 +247,7 @@ std::string metric_number(const MetricField& metric, double value, int digits)
 
 std::string metric_text(const MetricField& metric, double value, int digits)
 {
-    constexpr std::array kUnits { " %", " cm²", "°", " mm", " N", "" }; // in the order of MetricUnit
+    constexpr std::array kUnits { " %", " cm²", "°", " mm", " N", " sr", "" }; // in the order of MetricUnit
     return metric_number(metric, value, digits) + kUnits.at(static_cast<std::size_t>(metric.unit));
 }
 

@@ -21,6 +21,7 @@ enum class MetricUnit {
     degree,
     mm,
     N,
+    sr,
     none,
 };
 

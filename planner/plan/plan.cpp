@@ -459,6 +459,10 @@ namespace {
         field.best_eye = std::move(view.best);
         field.exposure = std::move(view.exposure);
         field.metrics.working_distance_mm = view.working_distance_mm;
+        field.metrics.opening_solid_angle_sr = view.from_target.solid_angle_sr;
+        field.metrics.attack_along_deg = view.from_target.along_deg;
+        field.metrics.attack_across_deg = view.from_target.across_deg;
+        field.metrics.target_offset_mm = view.from_target.offset_mm;
         remark(field.message, view.message);
         if (field.exposure.status == ExposureStatus::cancelled || field.best_eye.status == ExposureStatus::cancelled)
             field.status = PlanStatus::cancelled;

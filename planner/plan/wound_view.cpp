@@ -170,6 +170,9 @@ WoundView look_through(const PlannedField& field, const Points& displacement, Pa
     view.exposure = measure_exposure(outlook.scene, cone, kTargetSamples, job);
     view.working_distance_mm = working_distance_mm(outlook.geometry, outlook.scene.target(), cone.aim, cone.axis)
                                    .value_or((outlook.geometry.centre - cone.aim).norm());
+    view.from_target = opening_from(outlook.geometry,
+        wound_edges(field.wall, field.lips, mesh::SweptBlade(blade_of(field.approach))), field.wall, displacement,
+        view.best.aim);
     if (const mesh::LabelInfo* organ = organ_of_sphere(patient, field.approach.target))
         view.message = "the target sphere lies in the " + organ->name
             + "; this organ does not count as blocking the view of the target";

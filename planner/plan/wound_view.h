@@ -21,6 +21,7 @@ struct WoundView {
     SurgeonEye best; ///< the best place of the eye
     Exposure exposure; ///< all eyes of the cone
     double working_distance_mm = 0.0;
+    OpeningFromTarget from_target; ///< from the place that the best eye aims at
     std::string message; ///< a remark
 };
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <queue>
 #include <set>
 #include <string>
@@ -401,6 +402,48 @@ OpeningGeometry opening_geometry(const WoundEdges& edges, const mesh::TetMesh& m
         * (polyline_length(line_of(edges.left, mesh, {}).points)
             + polyline_length(line_of(edges.right, mesh, {}).points));
     return opening;
+}
+
+OpeningFromTarget opening_from(
+    const OpeningGeometry& opening, const LipLine& left, const LipLine& right, const Vec3& from)
+{
+    OpeningFromTarget seen;
+    const Vec3 to_centre = opening.centre - from;
+    const double depth = to_centre.dot(opening.normal);
+    seen.offset_mm = (to_centre - depth * opening.normal).norm();
+    if (!(depth > 0.0) || opening.overlap_area_mm2 > 0.0)
+        return seen;
+    std::vector<Vec3> loop = right.points;
+    loop.insert(loop.end(), left.points.rbegin(), left.points.rend());
+
+    double solid_angle = 0.0;
+    const Vec3 a = to_centre.normalized();
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+        const Vec3 b = (loop[i] - from).normalized(), c = (loop[(i + 1) % loop.size()] - from).normalized();
+        solid_angle += 2.0 * std::atan2(a.dot(b.cross(c)), 1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+    }
+    seen.solid_angle_sr = std::abs(solid_angle);
+
+    const Vec3 along = (opening.along - a * a.dot(opening.along)).normalized(), across = a.cross(along);
+    const auto spread_deg = [&](const Vec3& axis) {
+        double least = 0.0, most = 0.0; // rad, from the line to the centre
+        for (const Vec3& p : loop) {
+            const double angle = std::atan2((p - from).dot(axis), (p - from).dot(a));
+            least = std::min(least, angle);
+            most = std::max(most, angle);
+        }
+        return (most - least) * 180.0 / std::numbers::pi;
+    };
+    seen.along_deg = spread_deg(along);
+    seen.across_deg = spread_deg(across);
+    return seen;
+}
+
+OpeningFromTarget opening_from(const OpeningGeometry& opening, const WoundEdges& edges, const mesh::TetMesh& mesh,
+    const Points& displacement, const Vec3& from)
+{
+    return opening_from(
+        opening, line_of(edges.left, mesh, displacement), line_of(edges.right, mesh, displacement), from);
 }
 
 std::optional<double> working_distance_mm(

@@ -64,6 +64,23 @@ OpeningGeometry opening_geometry(const LipLine& left, const LipLine& right, cons
 /// @param displacement n x 3 (mm); no rows: no displacement
 OpeningGeometry opening_geometry(const WoundEdges& edges, const mesh::TetMesh& mesh, const Points& displacement);
 
+/// The opening as the target sees it: only the lips on the skin count, not what lies between.
+struct OpeningFromTarget {
+    double solid_angle_sr = 0.0; ///< of the loop of both lips (Van Oosterom, Strackee 1983, IEEE TBME 30:125)
+    // Angles between the outermost straight lines from the target to the lips, in the two planes that hold the line to
+    // the opening's centre.
+    double along_deg = 0.0; ///< in the plane along the cut
+    double across_deg = 0.0; ///< in the plane across it
+    double offset_mm = 0.0; ///< of the target from the line through the opening's centre, square to the skin plane
+};
+
+/// @param from a place on the target; all angles are 0 where it is not below the opening, or where the lips cross over
+OpeningFromTarget opening_from(
+    const OpeningGeometry& opening, const LipLine& left, const LipLine& right, const Vec3& from);
+/// @param displacement as opening_geometry()
+OpeningFromTarget opening_from(const OpeningGeometry& opening, const WoundEdges& edges, const mesh::TetMesh& mesh,
+    const Points& displacement, const Vec3& from);
+
 /// Distance from the skin plane to the target along the optical axis through `aim`. The distance ends at the first
 /// point of the target that is met from outside, or at the aim when the axis misses the target (a hollow one). The
 /// distance is negative when the target stands out of the body.

@@ -62,6 +62,44 @@ namespace field_geometry_test {
             0.5 * kPi * (a + b) * (1.0 + 3.0 * h / (10.0 + std::sqrt(4.0 - 3.0 * h))), 0.01);
     }
 
+    TEST(OpeningFromTarget, ACircleOverAPointHasItsClosedForm)
+    {
+        // Half angle of the cone: the solid angle is 2 pi (1 - cos), and the angles of attack are twice the half angle.
+        constexpr double kRadius = 30.0, kDepth = 80.0;
+        const double half = std::atan(kRadius / kDepth), exact = 2.0 * kPi * (1.0 - std::cos(half));
+        std::array<double, 2> error {};
+        for (std::size_t level = 0; level < 2; ++level) {
+            const auto lips = ellipse(kRadius, kRadius, kRadius, level == 0 ? 20 : 40);
+            const OpeningGeometry opening = opening_geometry(lips[0], lips[1], Vec3::UnitZ());
+            const OpeningFromTarget seen = opening_from(opening, lips[0], lips[1], Vec3(0.0, 0.0, -kDepth));
+            error[level] = std::abs(seen.solid_angle_sr - exact) / exact;
+            EXPECT_NEAR(seen.along_deg, 2.0 * half * 180.0 / kPi, 1e-9);
+            EXPECT_NEAR(seen.across_deg, 2.0 * half * 180.0 / kPi, 1e-9);
+            EXPECT_NEAR(seen.offset_mm, 0.0, 1e-9);
+        }
+        EXPECT_LT(error[1], 2e-3);
+        EXPECT_NEAR(error[0] / error[1], 4.0, 0.1) << "second order in the length of the pieces";
+    }
+
+    TEST(OpeningFromTarget, ATargetBesideSeesLessAndOneAboveNothing)
+    {
+        const auto lips = ellipse(40.0, 12.0, 12.0, 40);
+        const OpeningGeometry opening = opening_geometry(lips[0], lips[1], Vec3::UnitZ());
+        const OpeningFromTarget below = opening_from(opening, lips[0], lips[1], Vec3(0.0, 0.0, -60.0)),
+                                beside = opening_from(opening, lips[0], lips[1], Vec3(0.0, 50.0, -60.0)),
+                                above = opening_from(opening, lips[0], lips[1], Vec3(0.0, 0.0, 60.0));
+        EXPECT_NEAR(below.along_deg, 2.0 * std::atan(40.0 / 60.0) * 180.0 / kPi, 1e-9);
+        EXPECT_NEAR(below.across_deg, 2.0 * std::atan(12.0 / 60.0) * 180.0 / kPi, 1e-9);
+        EXPECT_LT(beside.solid_angle_sr, below.solid_angle_sr);
+        EXPECT_NEAR(beside.offset_mm, 50.0, 1e-9);
+        EXPECT_NEAR(beside.across_deg, (std::atan2(62.0, 60.0) - std::atan2(38.0, 60.0)) * 180.0 / kPi, 1e-9);
+        EXPECT_EQ(above.solid_angle_sr, 0.0);
+        EXPECT_EQ(above.along_deg, 0.0);
+        const auto crossed = ellipse(40.0, -5.0, -5.0, 40);
+        const OpeningGeometry closed = opening_geometry(crossed[0], crossed[1], Vec3::UnitZ());
+        EXPECT_EQ(opening_from(closed, crossed[0], crossed[1], Vec3(0.0, 0.0, -60.0)).solid_angle_sr, 0.0);
+    }
+
     TEST(OpeningGeometry, OneLipMovesTheCentre)
     {
         const auto lips = ellipse(40.0, 12.0, 0.0, 200); // only the left lip is pulled

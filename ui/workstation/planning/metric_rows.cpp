@@ -52,9 +52,9 @@ namespace {
     /// The row of a number: "58.0 ± 1.2 mm" with an estimate, otherwise "58.0 mm".
     MetricRow metric_row(const planner::FieldMetrics& field, const planner::MetricField& metric)
     {
-        const int digits = metric.group == planner::MetricGroup::distances ? 0
-            : metric.unit == planner::MetricUnit::none                     ? 2
-                                                                           : 1;
+        const int digits = metric.group == planner::MetricGroup::distances                       ? 0
+            : metric.unit == planner::MetricUnit::none || metric.unit == planner::MetricUnit::sr ? 2
+                                                                                                 : 1;
         MetricRow row { metric.caption, planner::metric_text(metric, metric.of(field), digits), metric.meaning };
         if (const auto error = planner::metric_error(metric, field)) {
             row.value = planner::metric_number(metric, metric.of(field), digits) + " ± "

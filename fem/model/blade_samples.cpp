@@ -73,8 +73,8 @@ namespace {
                     }
         }
 
-        /// Marks the vertices near the blade that are connected with its lip by elements near the blade. What lies on
-        /// the other lip of a cut is not.
+        /// Marks the vertices near the blade that elements near the blade connect with its lip. Vertices of the other
+        /// lip of a cut are not marked.
         std::vector<char> on_side_of(std::span<const mesh::TetFace> lip) const
         {
             std::vector<std::vector<TetId>> elements_at(mesh_.vertex_count());

@@ -136,7 +136,7 @@ namespace {
         {
             int halvings = 0;
             double before = std::numeric_limits<double>::infinity();
-            FrameOpening best = found_;
+            best_ = found_;
             while (found_.imbalance > how_.tolerance || tolerance_ > options_.tolerance) {
                 if (found_.imbalance <= how_.tolerance) {
                     continue_from(found_.opening.displacement);
@@ -147,15 +147,10 @@ namespace {
                 }
                 if (found_.openings >= how_.most_openings)
                     return fail("");
-                if (const std::string why = out_of_range(); !why.empty()) {
-                    fail(why);
-                    best.opening.status = found_.opening.status;
-                    best.opening.message = std::move(found_.opening.message);
-                    found_ = std::move(best);
-                    return;
-                }
-                if (found_.imbalance < best.imbalance)
-                    best = found_;
+                if (const std::string why = out_of_range(); !why.empty())
+                    return fail(why);
+                if (found_.imbalance < best_.imbalance)
+                    best_ = found_;
                 if (!has_stiffness_ || was_cut_ || found_.imbalance > good_step() * before)
                     linearise();
                 before = found_.imbalance;
@@ -169,7 +164,7 @@ namespace {
                     if (is_open() || found_.opening.status == OpeningStatus::cancelled)
                         break;
                     if (++halvings > kMostHalvings || found_.openings >= how_.most_openings)
-                        return;
+                        return end_with_best();
                     share *= 0.5;
                 }
                 if (!is_open())
@@ -344,6 +339,16 @@ namespace {
                       found_.openings, found_.state.distance, force,
                       found_.imbalance * std::max(force, drive_.force_N.value_or(0.0)))
                 + why;
+            end_with_best();
+        }
+
+        /// Ends a search without balance: the state is that of the best balance on the way, status and message stay.
+        void end_with_best()
+        {
+            best_.opening.status = found_.opening.status;
+            best_.opening.message = std::move(found_.opening.message);
+            best_.openings = found_.openings;
+            found_ = std::move(best_);
         }
 
         /// A step that leaves more of the imbalance than this share was predicted badly. Blades in contact slip, which
@@ -362,6 +367,7 @@ namespace {
         double lever_;
         Opening opening_;
         FrameOpening found_;
+        FrameOpening best_; ///< of the openings so far, the one nearest to balance
         FrameVector forces_ = FrameVector::Zero(); ///< generalised forces at the present state
         double tolerance_ = 0.0; ///< residual of the present state, as OpeningOptions::tolerance
         bool has_stiffness_ = false;

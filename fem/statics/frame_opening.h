@@ -41,8 +41,7 @@ struct FrameOptions {
     /// discretisation error of a blade force is ten times larger.
     double tolerance = 1e-3;
     int most_openings = 20; ///< the first one included
-    /// rad: the search ends where the frame turns further, with the best balance before it
-    double most_turned = std::numbers::pi;
+    double most_turned = std::numbers::pi; ///< rad: the search ends where the frame turns further
 };
 
 /// A state from which a further search begins: the answer of other elements, or a place for the frame.

@@ -7,7 +7,7 @@
 #include "planner/anatomy/anatomy.h"
 #include "planner/anatomy/bone_stiffness.h"
 #include "planner/case/case.h"
-#include "planner/uncertainty/stiffness_factors.h"
+#include "planner/case/stiffness_factors.h"
 
 #include <map>
 #include <memory>
@@ -53,7 +53,7 @@ public:
     /// @throws InputError as organ() and site_surface() do
     std::shared_ptr<const TriMesh> target(const TargetSpec& target);
 
-    /// Plans with other stiffness than the case's (planner/uncertainty/stiffness_factors.h). @pre nothing is planned yet
+    /// Plans with other stiffness than the case's (planner/case/stiffness_factors.h). @pre nothing is planned yet
     void set_stiffness_factors(StiffnessFactors factors) { stiffness_factors_ = std::move(factors); }
     const StiffnessFactors& stiffness_factors() const { return stiffness_factors_; }
 

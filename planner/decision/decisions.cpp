@@ -1,5 +1,6 @@
 #include "planner/decision/decisions.h"
 
+#include "datasets/dicom/dicom_identity.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/approach/approach_draft.h"
@@ -19,7 +20,10 @@ namespace {
 
 std::string folder_name(const Case& planned_case)
 {
-    return std::filesystem::absolute(planned_case.file()).lexically_normal().parent_path().filename().string();
+    const std::filesystem::path folder
+        = std::filesystem::absolute(planned_case.file()).lexically_normal().parent_path();
+    const std::string name = folder.filename().string();
+    return planned_case.patient ? datasets::without_identity(name, { *planned_case.patient }) : name;
 }
 
 std::filesystem::path decisions_file(const Case& planned_case)
@@ -52,8 +56,9 @@ void check_answers(const Answers& answers, const std::string& where)
 std::string choice_sentence(const Choice& choice, const std::string& name)
 {
     const std::string day = choice.when.substr(0, choice.when.find('T'));
-    return "Chosen: " + name + ", by " + choice.by + " on " + day + ": " + choice.why
-        + (choice.why.back() == '.' ? "" : ".");
+    const std::string why = choice.why.substr(0, choice.why.find_last_not_of(" \t\r\n") + 1);
+    const bool ends = why.ends_with('.') || why.ends_with('!') || why.ends_with('?');
+    return "Chosen: " + name + ", by " + choice.by + " on " + day + ": " + why + (ends ? "" : ".");
 }
 
 std::string holding_choice(const Case& planned_case)
@@ -62,10 +67,15 @@ std::string holding_choice(const Case& planned_case)
     if (decisions.choices.empty())
         return {};
     const Choice& choice = decisions.choices.back();
+    return choice_sentence(choice, chosen_name(planned_case, choice));
+}
+
+std::string chosen_name(const Case& planned_case, const Choice& choice)
+{
     for (const Approach& approach : planned_case.approaches)
         if (approach.name == choice.approach)
-            return choice_sentence(choice, spoken_name(approach));
-    return choice_sentence(choice, readable(choice.approach) + " (no longer in the case)");
+            return spoken_name(approach);
+    return readable(choice.approach) + " (no longer in the case)";
 }
 
 std::array<QuestionSummary, kQuestions.size()> summary_of(const std::vector<std::vector<Answers>>& cases)

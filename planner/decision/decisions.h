@@ -1,8 +1,7 @@
 #pragma once
 // What a team decided on a case: the approach that it chose, by whom, why and when, and how surgeons answered six
-// questions about the planned field. They are kept in a file of their own beside the case file, since they are said
-// about the case and change nothing that is planned. Names of persons are free text; the file is not part of a report
-// unless someone chose.
+// questions about the planned field. They are kept in a file of their own beside the case file, because they change
+// nothing that is planned. Names of persons are free text. A report shows the choice, and no answers.
 //
 // The questions are those of a field trial with four surgeons (Nakao et al. 2006, J Med Syst 30:371, doi
 // 10.1007/s10916-006-9021-4): 1 to 5 points for 3D shape, location and quality of the simulated field, planning effect,
@@ -27,8 +26,8 @@ struct Question {
 };
 
 inline constexpr std::array<Question, 6> kQuestions { {
-    { "shape", "3D shape", "The three-dimensional shape of the organs can be grasped." },
-    { "location", "Location", "It can be grasped where the organs and the target lie in the surgical field." },
+    { "shape", "3D shape", "The three-dimensional shapes of the organs are clear." },
+    { "location", "Location", "The positions of the organs and the target in the surgical field are clear." },
     { "quality", "Quality of the field", "The simulated surgical field looks as it will in the theatre." },
     { "planning", "Planning effect", "Planning with it changes or confirms the approach." },
     { "crisis", "Crisis recognition", "It shows in advance what may go wrong." },
@@ -57,7 +56,7 @@ struct Decisions {
     std::vector<Answers> answers; ///< the oldest first
 };
 
-/// The name of the folder of a case.
+/// The name of the folder of a case, without words of the identity that the case keeps.
 std::string folder_name(const Case& planned_case);
 
 /// "case.decisions.json" beside "case.json".
@@ -78,6 +77,9 @@ void check_answers(const Answers& answers, const std::string& where);
 
 /// "Chosen: left 4th space, by A. Suzuki on 2026-11-27: the shortest way." @param name of the approach, for people
 std::string choice_sentence(const Choice& choice, const std::string& name);
+
+/// The approach of a choice, for people.
+std::string chosen_name(const Case& planned_case, const Choice& choice);
 
 /// The sentence of the choice that holds; empty: nothing is chosen. @throws as read_decisions()
 std::string holding_choice(const Case& planned_case);

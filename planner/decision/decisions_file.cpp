@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
 #include <initializer_list>
 #include <iterator>
@@ -77,7 +78,12 @@ namespace {
                 throw InputError("the key is missing", place + "/" + key);
             if (!points.at(key).is_number_integer())
                 throw InputError("a whole number is expected", place + "/" + key);
-            answers.points.at(q) = points.at(key).get<int>();
+            const auto given = points.at(key).get<std::int64_t>();
+            if (given < kLeastPoints || given > kMostPoints)
+                throw InputError(
+                    "an answer has " + std::to_string(kLeastPoints) + " to " + std::to_string(kMostPoints) + " points",
+                    place + "/" + key);
+            answers.points.at(q) = static_cast<int>(given);
         }
         check_answers(answers, where);
         return answers;

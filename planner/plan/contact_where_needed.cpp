@@ -124,8 +124,7 @@ namespace {
             }
         }
 
-        /// Solves the wound with contact: from the solution without contact where there is one, else or where this
-        /// fails, from rest.
+        /// Solves the wound with contact: from the solution without contact, or where this fails, from rest.
         /// @returns nothing, and the reason as `failure`, without an answer
         std::optional<OpenedWall> open_touching(const OpenedWall& without, std::string& failure) const
         {
@@ -137,7 +136,8 @@ namespace {
             const Stopwatch watch;
             try {
                 OpenedWall opened = open_(surfaces_.options, &without, {}, limit.job());
-                // open_wall() has begun at rest already where hooks hold nodes, and in the end with four-node elements.
+                // open_wall() itself has begun at rest where hooks hold nodes, and where only four-node elements were
+                // solved.
                 const bool was_at_rest = corners_.blades.size() != corners_.hooks.size() || without.ended_by_test;
                 if (!was_at_rest && !is_usable(opened.opening) && !limit.job().cancelled())
                     opened = open_(surfaces_.options, nullptr, {}, limit.job());

@@ -34,8 +34,9 @@ namespace retractor::planner {
 /// best.
 inline constexpr double kPenetrationToleranceMm = 0.2;
 
-/// The time for contact, in times of the solution without contact, and at least. Newton's method finds one by one which
-/// points touch, and each set of points takes a solution of its own.
+/// The time for contact, in times of what was solved without contact before, and at least. Newton's method finds one by
+/// one which points touch, and each set of points takes a solution of its own. The values are ours: a plan
+/// must not wait for contact many times as long as for the wound itself, and says where contact was not found.
 inline constexpr double kContactTimes = 2.0, kLeastContactS = 60.0;
 
 /// The organs that stay in place, as rigid surfaces.

@@ -334,7 +334,7 @@ namespace {
 
     /// The balance of the retractor in tissue that is linear and held by the blades: one factorisation finds it. The
     /// nonlinear balance lies within a few degrees of it, and hardly lies nearer to where the retractor was at rest.
-    /// Linear tissue may let the retractor turn without end; then this is the best balance before it turned too far.
+    /// Linear tissue may let the retractor turn without end; then this is the state nearest to balance before that.
     std::optional<fem::FrameStart> linear_start(
         const fem::ElasticProblem& held, const fem::BladeFrame& frame, const fem::RackDrive& drive, const Job& job)
     {
@@ -375,8 +375,9 @@ namespace {
             fem::FrameStart { held.state, fem::with_blade_nodes(placed, held.opening.displacement), {} });
     }
 
-    /// The balance of the retractor in four-node elements, from another one of the same elements where there is one
-    /// that helps.
+    /// The balance of the retractor in four-node elements.
+    /// @param start an opening of the same elements from which the search begins, or nullptr: it begins at rest, as it
+    /// does where this start leads to no balance
     /// @param problem four-node elements
     fem::FrameOpening open_four_node_from(const OpenedWall* start, const fem::ElasticProblem& problem,
         const PlannedField& field, const fem::RackDrive& drive, const fem::OpeningOptions& options,

@@ -3,8 +3,8 @@
 #include "fem/statics/parameter_sensitivity.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "planner/case/stiffness_factors.h"
 #include "planner/measures/bones/bone_limits.h"
-#include "planner/uncertainty/stiffness_factors.h"
 #include "planner/wall/rib_joints.h"
 
 #include <algorithm>
@@ -29,7 +29,8 @@ namespace {
         PublishedRange { "cartilage", kPerichondrium* kSoftestCartilageMPa, kPerichondrium* kStiffestCartilageMPa,
             "substance 5 to 25 MPa, with perichondrium, Forman 2010" },
         // 0.2 N m over 20.9 and over 6.4 degrees, N m/rad.
-        PublishedRange { kJointSprings, 0.548, 1.790, "turns by 6.4 to 20.9 degrees, Lebschy 2024, J Biomech 163:111923" },
+        PublishedRange {
+            kJointSprings, 0.548, 1.790, "turns by 6.4 to 20.9 degrees, Lebschy 2024, J Biomech 163:111923" },
         PublishedRange { kGirdleSprings, 1.0 / 3.0, 3.0, "a factor of 3 to either side, ours" },
     };
 

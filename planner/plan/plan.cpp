@@ -519,8 +519,10 @@ namespace {
         }
         if (checks.error_bars) {
             const StageTimer timer(field.metrics, "tissue values");
-            field.metrics.parameters = estimate_parameter_interval(
-                field, wound, choice, patient.planned_case().label_table, *patient.bone_stiffness());
+            field.metrics.parameters = patient.stiffness_factors().empty()
+                ? estimate_parameter_interval(
+                    field, wound, choice, patient.planned_case().label_table, *patient.bone_stiffness())
+                : ParameterInterval { .message = "the plan is made with chosen factors on the stiffness" };
             if (!goes_on())
                 return false;
         }

@@ -1,7 +1,7 @@
 #pragma once
 // Samples of the stiffness of tissues and springs over their published ranges, and what comes of them.
 
-#include "planner/uncertainty/stiffness_factors.h"
+#include "planner/case/stiffness_factors.h"
 
 #include <cstddef>
 #include <optional>

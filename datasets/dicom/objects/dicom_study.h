@@ -1,10 +1,13 @@
 #pragma once
 // The patient and the study under which results are written as DICOM objects.
 
+#include "mesh/base/geometry.h"
+
 #include <filesystem>
 #include <string>
 
 class DcmItem;
+class DcmTagKey;
 
 namespace retractor::datasets {
 
@@ -15,6 +18,7 @@ struct DicomStudy {
         description {};
     std::string frame_of_reference_uid {}; ///< of patient coordinates; objects with the same one lie in the same place
     bool is_pseudonymous = true;
+    Vec3 low = Vec3::Zero(), high = Vec3::Zero(); ///< box round the slices of the source series, mm, patient LPS
 };
 
 /// A patient and a study that name nobody: new identifiers, and a random number in place of name and id.
@@ -22,8 +26,8 @@ DicomStudy pseudonymous_study();
 
 /// Patient, study and frame of reference of a source series, so that the results are filed beside it.
 /// @param path a folder with a DICOM series, or one file of it; subfolders are not searched
-/// @throws InputError when there is no DICOM file, when the files name several patients or studies, or give no study;
-/// IoError when the folder cannot be read. No message holds a name or an id of a person.
+/// @throws InputError when there is no DICOM file, when the files name several patients, studies, series or frames of
+/// reference, or give no study; IoError when the folder cannot be read. No message holds a name or an id of a person.
 DicomStudy study_of_series(const std::filesystem::path& path);
 
 /// A series of results within a study.
@@ -37,8 +41,14 @@ struct ResultSeries {
 ResultSeries new_series(int number, std::string description);
 inline constexpr int kFirstResultSeries = 9001;
 
-/// Writes patient, study, series and equipment, which all objects share, into a dataset.
-/// @param modality "OT", "DOC"
+/// A new identifier. @param root one of SITE_..._UID_ROOT of DCMTK
+std::string new_uid(const char* root);
+
+/// Sets a text. @throws IoError when the library refuses it
+void put_text(DcmItem& dataset, const DcmTagKey& tag, const std::string& value, const std::filesystem::path& file = {});
+
+/// Writes patient, study, series, equipment and the time of writing, which all objects share, into a dataset.
+/// @param modality "OT", "DOC", "SEG"
 /// @throws IoError when the library refuses a value
 void put_study(DcmItem& dataset, const DicomStudy& study, const ResultSeries& series, const std::string& modality);
 

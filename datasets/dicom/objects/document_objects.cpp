@@ -57,12 +57,6 @@ namespace {
         return picture;
     }
 
-    void put(DcmItem& dataset, const DcmTagKey& tag, const std::string& value, const fs::path& file)
-    {
-        const OFCondition done = dataset.putAndInsertOFStringArray(tag, value.c_str());
-        check_written(done.good(), done.text(), file);
-    }
-
     void put_number(DcmItem& dataset, const DcmTagKey& tag, int value, const fs::path& file)
     {
         if (value < 0 || value > std::numeric_limits<Uint16>::max())
@@ -79,12 +73,13 @@ void write_secondary_capture(const fs::path& file, const fs::path& png, const Di
     const Picture picture = read_png(png);
     DcmDataset dataset;
     put_study(dataset, study, series, "OT");
-    put(dataset, DCM_ImageType, "DERIVED\\SECONDARY", file);
-    put(dataset, DCM_PatientOrientation, "", file);
-    put(dataset, DCM_Laterality, "", file);
-    put(dataset, DCM_ImageComments, comment, file);
-    put(dataset, DCM_BurnedInAnnotation, "NO", file);
-    put(dataset, DCM_PhotometricInterpretation, "RGB", file);
+    put_text(dataset, DCM_ConversionType, "WSD", file); // made by a workstation
+    put_text(dataset, DCM_ImageType, "DERIVED\\SECONDARY", file);
+    put_text(dataset, DCM_PatientOrientation, "", file);
+    put_text(dataset, DCM_Laterality, "", file);
+    put_text(dataset, DCM_ImageComments, comment, file);
+    put_text(dataset, DCM_BurnedInAnnotation, "NO", file);
+    put_text(dataset, DCM_PhotometricInterpretation, "RGB", file);
     put_number(dataset, DCM_SamplesPerPixel, 3, file);
     put_number(dataset, DCM_PlanarConfiguration, 0, file);
     put_number(dataset, DCM_Rows, picture.height, file);
@@ -117,14 +112,13 @@ void write_encapsulated_pdf(const fs::path& file, const fs::path& pdf, const Dic
         content.push_back('\0'); // DICOM values have an even length
     DcmDataset dataset;
     put_study(dataset, study, series, "DOC");
-    put(dataset, DCM_ContentDate, study.study_date, file);
-    put(dataset, DCM_ContentTime, study.study_time, file);
-    put(dataset, DCM_AcquisitionDateTime, "", file);
-    put(dataset, DCM_BurnedInAnnotation, "NO", file);
-    put(dataset, DCM_DocumentTitle, title, file);
+    put_text(dataset, DCM_ConversionType, "WSD", file);
+    put_text(dataset, DCM_AcquisitionDateTime, "", file);
+    put_text(dataset, DCM_BurnedInAnnotation, "NO", file);
+    put_text(dataset, DCM_DocumentTitle, title, file);
     OFCondition done = dataset.insertEmptyElement(DCM_ConceptNameCodeSequence);
     check_written(done.good(), done.text(), file);
-    put(dataset, DCM_MIMETypeOfEncapsulatedDocument, "application/pdf", file);
+    put_text(dataset, DCM_MIMETypeOfEncapsulatedDocument, "application/pdf", file);
     done = dataset.putAndInsertUint8Array(DCM_EncapsulatedDocument, reinterpret_cast<const Uint8*>(content.data()),
         static_cast<unsigned long>(content.size()));
     if (done.good())

@@ -95,24 +95,12 @@ namespace {
             object_.reset(made);
         }
 
-        void put_study(const DicomStudy& study, const ResultSeries& series)
+        /// The identifiers that the library asks for; write() adds the other values.
+        void begin(const DicomStudy& study, const ResultSeries& series)
         {
-            IODPatientModule& patient = object_->getPatient();
-            check(patient.setPatientName(study.patient_name.c_str()));
-            check(patient.setPatientID(study.patient_id.c_str()));
-            check(patient.setPatientBirthDate(study.birth_date.c_str()));
-            check(patient.setPatientSex(study.sex.c_str()));
-            IODGeneralStudyModule& of = object_->getStudy();
-            check(of.setStudyInstanceUID(study.study_uid.c_str()));
-            check(of.setStudyID(study.study_id.c_str()));
-            check(of.setStudyDate(study.study_date.c_str()));
-            check(of.setStudyTime(study.study_time.c_str()));
-            check(of.setAccessionNumber(study.accession_number.c_str()));
-            check(of.setReferringPhysicianName(study.referring_physician.c_str()));
-            check(of.setStudyDescription(study.description.c_str()));
+            check(object_->getStudy().setStudyInstanceUID(study.study_uid.c_str()));
             check(object_->getSeries().setSeriesInstanceUID(series.uid.c_str()));
             check(object_->getSeries().setSeriesNumber(std::to_string(series.number).c_str()));
-            check(object_->getSeries().setSeriesDescription(series.description.c_str()));
             check(object_->getFrameOfReference().setFrameOfReferenceUID(study.frame_of_reference_uid.c_str()));
         }
 
@@ -129,9 +117,7 @@ namespace {
                 FGPlaneOrientationPatient::createMinimal(decimal(row.x()), decimal(row.y()), decimal(row.z()),
                     decimal(column.x()), decimal(column.y()), decimal(column.z())));
             check(orientation ? object_->addForAllFrames(*orientation) : EC_IllegalParameter);
-            constexpr std::size_t kLongestUid = 100;
-            std::array<char, kLongestUid> uid {};
-            const OFString organisation = dcmGenerateUniqueIdentifier(uid.data(), SITE_INSTANCE_UID_ROOT);
+            const OFString organisation = new_uid(SITE_INSTANCE_UID_ROOT).c_str();
             IODMultiframeDimensionModule& dimensions = object_->getDimensions();
             check(dimensions.addDimensionIndex(
                 DCM_ReferencedSegmentNumber, organisation, DCM_SegmentIdentificationSequence, "Segment"));
@@ -153,7 +139,7 @@ namespace {
                 add_frame(info.id, number, k);
         }
 
-        void write()
+        void write(const DicomStudy& study, const ResultSeries& series)
         {
             if (packed_.size() % 2 != 0)
                 packed_.push_back(0); // DICOM values have an even length
@@ -166,9 +152,8 @@ namespace {
                 if (done.good())
                     done = format.getDataset()->putAndInsertUint8Array(
                         DCM_PixelData, packed_.data(), static_cast<unsigned long>(packed_.size()));
-                // The names are UTF-8.
-                if (done.good())
-                    done = format.getDataset()->putAndInsertString(DCM_SpecificCharacterSet, "ISO_IR 192");
+                check(done);
+                put_study(*format.getDataset(), study, series, "SEG");
                 if (done.good())
                     done = format.saveFile(OFFilename(temporary.c_str()), EXS_LittleEndianExplicit);
                 check(done);
@@ -227,7 +212,7 @@ void write_segmentation(const fs::path& file, const mesh::LabelVolume& labels,
 {
     mesh::check_grid(labels.grid);
     Writer writer(file, labels);
-    writer.put_study(study, series);
+    writer.begin(study, series);
     writer.put_grid();
     const std::vector<std::vector<int>> slices = slices_of_labels(labels);
     bool any = false;
@@ -238,7 +223,7 @@ void write_segmentation(const fs::path& file, const mesh::LabelVolume& labels,
         }
     if (!any)
         throw InputError("no label has a voxel", file.string());
-    writer.write();
+    writer.write(study, series);
 }
 
 } // namespace retractor::datasets

@@ -178,7 +178,8 @@ namespace {
             { "same_order", survival.same_order } };
         if (approaches > 1)
             outcome.text += survival.samples == 0
-                ? std::string("No sample has a score of every approach beside one of the case's own values.\n")
+                ? std::string("The order of the approaches is not known: no sample, or not the case as it is, has a "
+                              "score of every approach.\n")
                 : formatted(
                     "The approach with the highest score stays the same in %zu of %zu samples, the whole order in "
                     "%zu.\n",

@@ -46,14 +46,6 @@ namespace {
         return {};
     }
 
-    std::string spoken(const planner::Case& planned_case, const std::string& approach)
-    {
-        for (const planner::Approach& known : planned_case.approaches)
-            if (known.name == approach)
-                return planner::spoken_name(known);
-        return readable(approach) + " (no longer in the case)";
-    }
-
     Json document_of(const planner::Choice& choice)
     {
         return { { "approach", choice.approach }, { "by", choice.by }, { "why", choice.why }, { "when", choice.when },
@@ -66,7 +58,7 @@ namespace {
         outcome.document["choices"] = Json::array();
         for (const planner::Choice& choice : decisions.choices) {
             outcome.document["choices"].push_back(document_of(choice));
-            outcome.text += planner::choice_sentence(choice, spoken(planned_case, choice.approach)) + "\n"
+            outcome.text += planner::choice_sentence(choice, planner::chosen_name(planned_case, choice)) + "\n"
                 + (choice.plan.empty() ? "  It was not planned then.\n" : "  Its plan then: " + choice.plan + "\n");
         }
         if (decisions.choices.empty())
@@ -95,7 +87,7 @@ namespace {
             .when = planner::utc_text(std::chrono::system_clock::now()),
             .plan = plan_text(planned_case, options.approach) };
         Outcome outcome { .document = document_of(choice),
-            .text = planner::choice_sentence(choice, spoken(planned_case, choice.approach)) + "\n"
+            .text = planner::choice_sentence(choice, planner::chosen_name(planned_case, choice)) + "\n"
                 + (choice.plan.empty() ? "caution: this approach has no plan that holds now\n"
                                        : "Its plan: " + choice.plan + "\n")
                 + "wrote " + file.string() + "\n" };
@@ -114,10 +106,10 @@ namespace {
 
     std::string known_keys()
     {
-        std::string keys;
+        std::vector<std::string> keys;
         for (const planner::Question& question : planner::kQuestions)
-            keys += (keys.empty() ? "" : ", ") + std::string(question.key);
-        return keys;
+            keys.emplace_back(question.key);
+        return joined(keys);
     }
 
     /// @param texts "shape=4", one for each question

@@ -75,9 +75,13 @@ namespace {
         Outcome outcome { .document = comparison_document(fields, weights),
             .text = comparison_text(fields, weights, Marks::leader) };
         outcome.document["not_planned"] = unplanned;
-        if (const std::string chosen = planner::holding_choice(planned_case); !chosen.empty()) {
-            outcome.document["chosen"] = chosen;
-            outcome.text += chosen + "\n";
+        try {
+            if (const std::string chosen = planner::holding_choice(planned_case); !chosen.empty()) {
+                outcome.document["chosen"] = chosen;
+                outcome.text += chosen + "\n";
+            }
+        } catch (const Error& error) { // a damaged record does not hold the comparison back
+            outcome.text += std::string("caution: the team's choice cannot be read: ") + error.what() + "\n";
         }
         if (!unplanned.empty())
             outcome.text += "not planned: " + joined(unplanned) + "\n";

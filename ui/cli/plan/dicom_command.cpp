@@ -14,9 +14,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <memory>
+#include <string_view>
 
 namespace retractor::ui::cli {
 
@@ -48,6 +51,18 @@ namespace {
         return {};
     }
 
+    /// A path as a browser takes it.
+    std::string file_url(const fs::path& path)
+    {
+        std::string url = "file://";
+        for (const char c : fs::absolute(path).string()) {
+            const auto byte = static_cast<unsigned char>(c);
+            const bool plain = std::isalnum(byte) != 0 || std::string_view("/-_.~").find(c) != std::string_view::npos;
+            url += plain ? std::string(1, c) : formatted("%%%02X", byte);
+        }
+        return url;
+    }
+
     /// Prints the report. @returns why there is no PDF; empty: it was written
     std::string print_report(const fs::path& report, const fs::path& pdf, const Job& job)
     {
@@ -61,35 +76,82 @@ namespace {
         const ProgramRun run
             = run_program({ browser.string(), "--headless=new", "--no-sandbox", "--disable-gpu",
                               "--user-data-dir=" + (pdf.parent_path() / "browser").string(), "--no-pdf-header-footer",
-                              "--virtual-time-budget=30000", "--print-to-pdf=" + pdf.string(),
-                              "file://" + fs::absolute(report).string() },
+                              "--virtual-time-budget=30000", "--print-to-pdf=" + pdf.string(), file_url(report) },
                 kLimit, {}, [&] { return job.cancelled(); });
         std::error_code ignored; // the folder is temporary
         fs::remove_all(pdf.parent_path() / "browser", ignored);
         refuse_if_cancelled(job);
-        if (!fs::exists(pdf) || fs::file_size(pdf) == 0)
-            return run.timed_out ? "Chromium did not print the report in time"
-                                 : formatted("Chromium did not print the report (exit code %d)", run.exit_code);
+        if (run.timed_out)
+            return "Chromium did not print the report in time";
+        if (run.exit_code != 0 || !fs::exists(pdf) || fs::file_size(pdf) == 0)
+            return formatted("Chromium did not print the report (exit code %d)", run.exit_code);
         return {};
     }
 
-    datasets::DicomStudy study_for(const DicomExportOptions& options)
+    /// Refuses a plan of another case, or of other labels.
+    void check_plan_of(const fs::path& plan, const planner::Case& planned_case)
+    {
+        std::ifstream in(plan / "metrics.json");
+        const Json metrics = in ? Json::parse(in, nullptr, false) : Json();
+        const Json computed = metrics.is_object() ? metrics.value("computed", Json::object()) : Json();
+        if (!computed.is_object() || !computed.contains("labels"))
+            throw InputError("the folder holds no plan (no metrics.json)", "--plan " + plan.string());
+        if (computed["labels"].value("sha256", std::string()) != planned_case.labels.sha256)
+            throw InputError("the plan is of other labels than those of this case", "--plan " + plan.string());
+    }
+
+    /// The patient and study to write under. No message names the patient.
+    datasets::DicomStudy study_for(const DicomExportOptions& options, const planner::Case& planned_case)
     {
         if (options.with_identity == options.source.empty())
             throw InputError(options.with_identity
                     ? "the identity is copied from the source series: give its folder with --source"
                     : "a source series is used with --with-identity only: pseudonyms take nothing from it",
                 options.with_identity ? "--with-identity" : "--source");
-        return options.with_identity ? datasets::study_of_series(options.source) : datasets::pseudonymous_study();
+        if (!options.with_identity)
+            return datasets::pseudonymous_study();
+        datasets::DicomStudy study = datasets::study_of_series(options.source);
+        if (planned_case.patient
+            && (planned_case.patient->name != study.patient_name || planned_case.patient->id != study.patient_id))
+            throw InputError("the series is of another patient than the case", "--source " + options.source);
+        return study;
+    }
+
+    /// Refuses a source series that does not show the place of the labels.
+    void check_place(const datasets::DicomStudy& study, const mesh::ImageGrid& grid, const std::string& source)
+    {
+        constexpr double kBeyondMm = 20.0; // a case may be cut out of its series, and its slices have a thickness
+        const Vec3 far = Vec3(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
+        for (const Vec3& index : { Vec3(Vec3::Zero()), far, Vec3(0.5 * far) }) {
+            const Vec3 p = grid.world(index);
+            if (((p - study.low).array() < -kBeyondMm).any() || ((p - study.high).array() > kBeyondMm).any())
+                throw InputError("the series lies elsewhere than the labels of the case: it is not the series that the "
+                                 "case was imported from",
+                    "--source " + source);
+        }
+    }
+
+    /// Refuses a folder with DICOM files of an earlier run, which may name a patient.
+    void refuse_earlier_files(const fs::path& folder)
+    {
+        if (!fs::is_directory(folder))
+            return;
+        for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+            if (entry.path().extension() == ".dcm")
+                throw InputError("the folder holds DICOM files already: name a new one", "--out " + folder.string());
     }
 
     Outcome write_dicom(const DicomExportOptions& options, const Job& job)
     {
         const planner::Case planned_case = open_case(options.case_file);
-        const datasets::DicomStudy study = study_for(options);
         const fs::path plan = options.plan;
+        check_plan_of(plan, planned_case);
+        refuse_earlier_files(options.out);
+        const datasets::DicomStudy study = study_for(options, planned_case);
         const std::vector<fs::path> pictures = pictures_in(plan);
         planner::Patient patient(planned_case, job);
+        if (options.with_identity)
+            check_place(study, patient.labels()->grid, options.source);
         const OutFolder out(options.out);
         Outcome outcome { .document = { { "files", Json::array() }, { "pseudonym", study.is_pseudonymous } },
             .text = {} };
@@ -142,7 +204,8 @@ void add_dicom_command(Commands& commands)
         "dicom", "Write a plan for the hospital's archive: pictures, report and labels as DICOM");
     command->footer("Pictures become Secondary Captures, the report an Encapsulated PDF (printed by Chromium, where it "
                     "is installed), "
-                    "the labels a Segmentation. Without --with-identity the files name nobody.\n"
+                    "the labels a Segmentation. Without --with-identity no DICOM value leads to the patient; pictures "
+                    "and report are taken as they are.\n"
                     "Example: retractor dicom C/case.json --plan D --out E\n"
                     "Example: retractor dicom C/case.json --plan D --out E --with-identity --source dicom/series7");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);

@@ -419,7 +419,7 @@ void write_field_report(const std::filesystem::path& folder, planner::Patient& p
     try {
         report.chosen = planner::holding_choice(patient.planned_case());
     } catch (const Error& error) { // the fields are planned and drawn: a damaged record must not hold them back
-        report.refused.push_back(std::string("The team's choice cannot be shown: ") + error.what());
+        report.chosen = std::string("The team's choice cannot be read: ") + error.what();
     }
     for (const planner::PlannedField& field : fields)
         if (!is_measured(field))

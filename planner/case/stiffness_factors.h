@@ -5,6 +5,7 @@
 #include "fem/statics/elastic_problem.h"
 #include "planner/case/case.h"
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>

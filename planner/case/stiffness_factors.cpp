@@ -1,4 +1,4 @@
-#include "planner/uncertainty/stiffness_factors.h"
+#include "planner/case/stiffness_factors.h"
 
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"

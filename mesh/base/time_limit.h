@@ -5,6 +5,7 @@
 #include "mesh/base/job.h"
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -21,6 +22,9 @@ public:
     TimeLimit& operator=(const TimeLimit&) = delete;
     ~TimeLimit() = default; ///< stops the clock
 
+    /// Gives the part this much time from now on. A part whose time is up stays cancelled.
+    /// @param seconds not negative
+    void restart(double seconds);
     /// The job of the part. It reports and records as the whole job does.
     const Job& job() const { return part_; }
     /// Whether the part was cancelled because its time was up, and not with the whole job.
@@ -30,6 +34,7 @@ private:
     std::atomic<bool> cancel_ { false }, over_ { false };
     Job part_;
     std::mutex mutex_;
+    std::chrono::steady_clock::time_point end_; ///< under mutex_
     std::condition_variable_any stopped_;
     std::jthread clock_; ///< last: the thread uses the members above
 };

@@ -132,10 +132,15 @@ namespace {
                 failure = "the tissue far from the lips is linear and has no surface for contact";
                 return std::nullopt;
             }
-            const TimeLimit limit(job_, std::max(kLeastContactS, kContactTimes * watch_.seconds()));
+            const double before = watch_.seconds();
+            TimeLimit limit(job_, std::max(kLeastContactS, kContactTimes * before));
+            const StageTest goes_on_to_ten_nodes = [&](const fem::OpeningResult&) {
+                limit.restart(std::max(kLeastTenNodeContactS, kTenNodeContactTimes * before));
+                return true;
+            };
             const Stopwatch watch;
             try {
-                OpenedWall opened = open_(surfaces_.options, &without, {}, limit.job());
+                OpenedWall opened = open_(surfaces_.options, &without, goes_on_to_ten_nodes, limit.job());
                 // open_wall() itself has begun at rest where hooks hold nodes, and where only four-node elements were
                 // solved.
                 const bool was_at_rest = corners_.blades.size() != corners_.hooks.size() || without.ended_by_test;

@@ -35,9 +35,11 @@ namespace retractor::planner {
 inline constexpr double kPenetrationToleranceMm = 0.2;
 
 /// The time for contact, in times of what was solved without contact before, and at least. Newton's method finds one by
-/// one which points touch, and each set of points takes a solution of its own. The values are ours: a plan
-/// must not wait for contact many times as long as for the wound itself, and says where contact was not found.
+/// one which points touch, and each set of points takes a solution of its own. Ours: a plan must not wait long for
+/// contact that may not be found, and says where it was not found.
 inline constexpr double kContactTimes = 2.0, kLeastContactS = 60.0;
+/// The same for ten-node elements, from where four-node elements have found their contact.
+inline constexpr double kTenNodeContactTimes = 8.0, kLeastTenNodeContactS = 120.0;
 
 /// The organs that stay in place, as rigid surfaces.
 struct ContactSurfaces {

@@ -35,6 +35,19 @@ namespace time_limit_test {
         EXPECT_TRUE(none.is_over());
     }
 
+    TEST(TimeLimit, CanBeginAgain)
+    {
+        constexpr double kFirstS = 1.0, kShortS = 0.05;
+        const Job whole;
+        TimeLimit longer(whole, kFirstS);
+        longer.restart(1e3);
+        TimeLimit shorter(whole, 1e3);
+        shorter.restart(kShortS);
+        EXPECT_TRUE(is_cancelled_in_time(shorter.job()));
+        std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * kFirstS));
+        EXPECT_FALSE(longer.job().cancelled());
+    }
+
     TEST(TimeLimit, CancelsThePartWithTheWholeJob)
     {
         std::atomic<bool> cancel { false };

@@ -134,10 +134,12 @@ namespace {
         outcome.document["seed"] = options.seed;
         outcome.document["draft"] = !options.full;
         outcome.document["approaches"] = Json::array();
-        std::size_t failed = 0, missing = 0;
+        std::size_t failed = 0, missing = 0; // missing: the same command plans them
         std::string reasons;
         for (const BatchRow& row : run.rows) {
-            missing += row.status ? 0 : 1;
+            const bool failed_by_chance
+                = row.status && row.status->state == JobStatus::State::failed && !row.status->lasting;
+            missing += !row.status || failed_by_chance ? 1 : 0;
             if (!row.status || is_done(row))
                 continue;
             ++failed;

@@ -8,17 +8,25 @@
 
 namespace retractor {
 
+namespace {
+
+    double squared_segment_distance(std::span<const Vec3> polyline, std::size_t segment, const Vec3& p)
+    {
+        const Vec3 along = polyline[segment + 1] - polyline[segment];
+        const double length2 = along.squaredNorm();
+        const double t = length2 > 0.0 ? std::clamp((p - polyline[segment]).dot(along) / length2, 0.0, 1.0) : 0.0;
+        return (p - polyline[segment] - t * along).squaredNorm();
+    }
+
+} // namespace
+
 double polyline_distance(std::span<const Vec3> polyline, const Vec3& p)
 {
     if (polyline.empty())
         return std::numeric_limits<double>::infinity();
     double nearest = (p - polyline.front()).squaredNorm();
-    for (std::size_t i = 0; i + 1 < polyline.size(); ++i) {
-        const Vec3 along = polyline[i + 1] - polyline[i];
-        const double length2 = along.squaredNorm();
-        const double t = length2 > 0.0 ? std::clamp((p - polyline[i]).dot(along) / length2, 0.0, 1.0) : 0.0;
-        nearest = std::min(nearest, (p - polyline[i] - t * along).squaredNorm());
-    }
+    for (std::size_t i = 0; i + 1 < polyline.size(); ++i)
+        nearest = std::min(nearest, squared_segment_distance(polyline, i, p));
     return std::sqrt(nearest);
 }
 
@@ -58,31 +66,60 @@ CorridorDistance::CorridorDistance(std::vector<Vec3> polyline, const Vec3& low, 
     for (int k = 0; k < blocks_[2]; ++k)
         for (int j = 0; j < blocks_[1]; ++j)
             for (int i = 0; i < blocks_[0]; ++i)
-                distance_.push_back(
-                    polyline_distance(polyline_, low_ + kBlockMm * (Vec3(i, j, k) + Vec3::Constant(0.5))));
+                add_block(low_ + kBlockMm * (Vec3(i, j, k) + Vec3::Constant(0.5)));
 }
 
-CorridorDistance::Side CorridorDistance::side(const Vec3& p, double radius, double reach) const
+void CorridorDistance::add_block(const Vec3& centre)
+{
+    distance_.push_back(polyline_distance(polyline_, centre));
+    const double farthest = distance_.back() + 2.0 * kBlockReachMm;
+    for (std::size_t segment = 0; segment + 1 < polyline_.size(); ++segment)
+        if (squared_segment_distance(polyline_, segment, centre) <= farthest * farthest)
+            segments_.push_back(static_cast<std::int32_t>(segment));
+    first_segment_.push_back(static_cast<std::int32_t>(segments_.size()));
+}
+
+std::optional<std::size_t> CorridorDistance::block_of(const Vec3& p) const
 {
     std::size_t block = 0;
     for (int axis = 2; axis >= 0; --axis) {
         const double at = (p[axis] - low_[axis]) / kBlockMm;
         const int count = blocks_[static_cast<std::size_t>(axis)];
         if (!(at >= 0.0) || !(at < count))
-            return Side::unknown;
+            return std::nullopt;
         block = block * static_cast<std::size_t>(count) + static_cast<std::size_t>(at);
     }
     RETRACTOR_ASSERT(block < distance_.size());
+    return block;
+}
+
+CorridorDistance::Side CorridorDistance::side(const Vec3& p, double radius, double reach) const
+{
+    const std::optional<std::size_t> block = block_of(p);
+    if (!block)
+        return Side::unknown;
     reach += kBlockReachMm;
-    return distance_[block] + reach <= radius ? Side::inside
-        : distance_[block] - reach > radius   ? Side::outside
-                                              : Side::unknown;
+    return distance_[*block] + reach <= radius ? Side::inside
+        : distance_[*block] - reach > radius   ? Side::outside
+                                               : Side::unknown;
+}
+
+double CorridorDistance::distance(const Vec3& p) const
+{
+    const std::optional<std::size_t> block = block_of(p);
+    if (!block || polyline_.empty())
+        return polyline_distance(polyline_, p);
+    double nearest = (p - polyline_.front()).squaredNorm();
+    for (auto i = first_segment_[*block]; i < first_segment_[*block + 1]; ++i)
+        nearest = std::min(nearest,
+            squared_segment_distance(polyline_, static_cast<std::size_t>(segments_[static_cast<std::size_t>(i)]), p));
+    return std::sqrt(nearest);
 }
 
 bool CorridorDistance::within(const Vec3& p, double radius) const
 {
     const Side place = side(p, radius, 0.0);
-    return place == Side::unknown ? polyline_distance(polyline_, p) <= radius : place == Side::inside;
+    return place == Side::unknown ? distance(p) <= radius : place == Side::inside;
 }
 
 double CorridorDistance::share(double radius, const Vec3& centre, const Vec3& edges, int samples) const

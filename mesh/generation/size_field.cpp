@@ -40,20 +40,31 @@ namespace {
     /// afterwards (mesh/generation/mesh_polish.h).
     constexpr double kDistancePerEdge = 0.12;
 
+    CorridorDistance of_wall(const WallVoxels& wall, std::vector<Vec3> polyline)
+    {
+        return { std::move(polyline), wall.centre(0, 0, 0),
+            wall.centre(wall.size[0] - 1, wall.size[1] - 1, wall.size[2] - 1) };
+    }
+
+    std::vector<Vec3> joined(std::vector<Vec3> line, const std::vector<Vec3>& more)
+    {
+        line.insert(line.end(), more.begin(), more.end());
+        return line;
+    }
+
 } // namespace
 
 SizeField::SizeField(const WallVoxels& wall, const LabelTable& table, const MeshSizing& sizing,
     std::vector<Vec3> local_corridor, std::vector<Vec3> local_places, std::vector<Vec3> local_path)
     : wall_(wall)
     , sizing_(sizing)
-    , corridor_(std::move(local_corridor))
+    , corridor_(of_wall(wall, local_corridor))
+    , path_(of_wall(wall, local_path))
+    , region_line_(of_wall(wall, joined(std::move(local_corridor), local_path)))
     , places_(std::move(local_places))
-    , path_(std::move(local_path))
-    , region_line_(corridor_)
     , edges_per_thickness_(wall.labels.size() + 1, 0.0)
     , thickness_(local_thickness(wall))
 {
-    region_line_.insert(region_line_.end(), path_.begin(), path_.end());
     for (std::size_t n = 0; n < wall.labels.size(); ++n) {
         const LabelInfo& info = *find_label(table, wall.labels[n]);
         edges_per_thickness_[n + 1] = edge_per_thickness(info);
@@ -65,12 +76,12 @@ double SizeField::into_coarse(const Vec3& local) const
 {
     if (sizing_.coarse_beyond_mm <= 0.0)
         return 0.0;
-    return std::max(0.0, polyline_distance(region_line_, local) - sizing_.coarse_beyond_mm);
+    return std::max(0.0, region_line_.distance(local) - sizing_.coarse_beyond_mm);
 }
 
 double SizeField::corridor_edge(const Vec3& local, double into_coarse_mm) const
 {
-    const double beyond = polyline_distance(corridor_, local) - sizing_.corridor_radius_mm;
+    const double beyond = corridor_.distance(local) - sizing_.corridor_radius_mm;
     const double longest
         = std::min(sizing_.coarse_edge_mm + kFarGrowth * into_coarse_mm, kMostFarGrowth * sizing_.coarse_edge_mm);
     return std::clamp(sizing_.corridor_edge_mm + kEdgeGrowth * beyond, sizing_.corridor_edge_mm, longest);
@@ -78,7 +89,7 @@ double SizeField::corridor_edge(const Vec3& local, double into_coarse_mm) const
 
 double SizeField::path_edge(const Vec3& local) const
 {
-    const double beyond = std::max(0.0, polyline_distance(path_, local) - sizing_.coarse_path_radius_mm);
+    const double beyond = std::max(0.0, path_.distance(local) - sizing_.coarse_path_radius_mm);
     return sizing_.coarse_path_edge_mm + kEdgeGrowth * beyond;
 }
 
@@ -111,7 +122,7 @@ double SizeField::thin_limit(const Vec3& local, int label) const
 
 double SizeField::bare_factor(const Vec3& local) const
 {
-    const bool is_bare = sizing_.region_mm > 0.0 && polyline_distance(region_line_, local) > sizing_.region_mm;
+    const bool is_bare = sizing_.region_mm > 0.0 && region_line_.distance(local) > sizing_.region_mm;
     return is_bare ? kBareFactor : 1.0;
 }
 

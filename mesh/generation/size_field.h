@@ -2,6 +2,7 @@
 // Wanted edge length at each point: fine in the corridor and growing with the distance, with an upper limit from the
 // label's thickness. Local frame of mesh/image/label_field.h, mm.
 
+#include "mesh/base/corridor.h"
 #include "mesh/generation/mesh_sizing.h"
 #include "mesh/image/label_field.h"
 
@@ -34,8 +35,9 @@ private:
 
     const WallVoxels& wall_;
     MeshSizing sizing_;
-    std::vector<Vec3> corridor_, places_, path_;
-    std::vector<Vec3> region_line_; ///< region_line() in the local frame
+    CorridorDistance corridor_, path_;
+    CorridorDistance region_line_; ///< region_line() in the local frame
+    std::vector<Vec3> places_;
     std::vector<double> edges_per_thickness_; ///< largest edge length over thickness, per label number
     std::vector<char> is_bone_; ///< per entry of WallVoxels::labels
     std::vector<float> thickness_;

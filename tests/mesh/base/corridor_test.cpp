@@ -37,6 +37,7 @@ namespace corridor_test {
                 ASSERT_EQ(near.within(p, radius), within) << p.transpose() << " " << radius;
                 inside += within ? 1 : 0;
             }
+            ASSERT_EQ(near.distance(p), polyline_distance(line, p)) << p.transpose();
             ASSERT_EQ(near.share(25.0, p, { 1, 2, 3 }, 3), share_within(line, 25.0, p, { 1, 2, 3 }, 3));
         }
         EXPECT_GT(inside, 1000); // both answers occur
@@ -51,6 +52,9 @@ namespace corridor_test {
         const CorridorDistance near({}, Vec3::Zero(), Vec3(10, 10, 10));
         EXPECT_FALSE(near.within({ 1, 1, 1 }, 1e9));
         EXPECT_EQ(near.share(10.0, { 1, 1, 1 }, { 1, 1, 1 }, 3), 0.0);
+        EXPECT_EQ(near.distance({ 1, 1, 1 }), std::numeric_limits<double>::infinity());
+        const CorridorDistance of_a_point({ { 1, 2, 3 } }, Vec3::Zero(), Vec3(10, 10, 10));
+        EXPECT_EQ(of_a_point.distance({ 1, 2, 5 }), 2.0);
     }
 
 } // namespace corridor_test

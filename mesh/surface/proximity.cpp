@@ -78,11 +78,14 @@ TriangleProximity::TriangleProximity(Points vertices, std::vector<std::array<Ver
     }
     // With cells as large as the reach, a search visits 27 cells. Cells smaller than the triangles would only be more
     // cells.
+    centroids_.reserve(triangles_.size());
     radii_.reserve(triangles_.size());
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        const auto [a, b, c] = triangle_corners(vertices_, triangles_[t]);
+        centroids_.push_back((a + b + c) / 3.0);
         double radius = 0.0;
-        for (const VertexId v : triangles_[t])
-            radius = std::max(radius, (point_at(vertices_, v) - centroid(t)).norm());
+        for (const Vec3& corner : { a, b, c })
+            radius = std::max(radius, (corner - centroids_[t]).norm());
         radii_.push_back(radius);
     }
     size_ = std::max({ reach, extent, whole.sizes().maxCoeff() / ((1 << kBits) - 4) });
@@ -106,13 +109,8 @@ std::array<std::int64_t, 3> TriangleProximity::cell(const Vec3& point) const
     return place;
 }
 
-Vec3 TriangleProximity::centroid(std::size_t triangle) const
-{
-    const auto [a, b, c] = triangle_corners(vertices_, triangles_[triangle]);
-    return (a + b + c) / 3.0;
-}
-
-std::vector<TriangleProximity::Nearby> TriangleProximity::within(const Vec3& point, double distance) const
+std::vector<TriangleProximity::Nearby> TriangleProximity::within(
+    const Vec3& point, double distance, const std::function<bool(std::int32_t)>& keep) const
 {
     std::vector<Nearby> nearby;
     if (cells_.empty() || !point.allFinite())
@@ -127,7 +125,8 @@ std::vector<TriangleProximity::Nearby> TriangleProximity::within(const Vec3& poi
             const auto from = std::lower_bound(cells_.begin(), cells_.end(), std::pair(key(first[0], y, z), 0));
             for (auto at = from; at != cells_.end() && at->first <= key(last[0], y, z); ++at) {
                 const auto t = static_cast<std::size_t>(at->second);
-                if ((point - centroid(t)).norm() <= (distance + radii_[t]) * kAboveRoundOff)
+                const double reach = (distance + radii_[t]) * kAboveRoundOff;
+                if ((point - centroids_[t]).squaredNorm() <= reach * reach && (!keep || keep(at->second)))
                     met.push_back(at->second);
             }
         }

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -32,14 +33,16 @@ public:
     /// The triangles within `distance` (mm) of a point, the nearest first; at equal distance the lower number comes
     /// first.
     /// A distance above the reach counts as the reach.
-    std::vector<Nearby> within(const Vec3& point, double distance) const;
+    /// @param keep only triangles for which it is true are considered; empty: all
+    std::vector<Nearby> within(
+        const Vec3& point, double distance, const std::function<bool(std::int32_t)>& keep = {}) const;
 
 private:
     std::array<std::int64_t, 3> cell(const Vec3& point) const;
-    Vec3 centroid(std::size_t triangle) const;
 
     Points vertices_;
     std::vector<std::array<VertexId, 3>> triangles_;
+    std::vector<Vec3> centroids_; ///< of each triangle
     std::vector<double> radii_; ///< of each triangle round its centroid, mm
     double reach_ = 0.0, size_ = 1.0;
     Vec3 origin_ = Vec3::Zero();

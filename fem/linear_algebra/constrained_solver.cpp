@@ -13,7 +13,15 @@ namespace retractor::fem {
 ConstrainedSolver::ConstrainedSolver(const BlockPattern& pattern, std::vector<std::uint8_t> prescribed)
     : prescribed_(std::move(prescribed))
 {
+    analyse(pattern);
+}
+
+void ConstrainedSolver::analyse(const BlockPattern& pattern)
+{
     RETRACTOR_ASSERT(prescribed_.size() == 3 * pattern.row_count());
+    pattern_changed_ = false;
+    free_.clear();
+    value_source_.clear();
     std::vector<std::int32_t> number(prescribed_.size(), -1);
     SymmetricPattern upper;
     upper.column_start.push_back(0);
@@ -44,6 +52,8 @@ ConstrainedSolver::ConstrainedSolver(const BlockPattern& pattern, std::vector<st
 void ConstrainedSolver::factorise(const BlockMatrix& K)
 {
     RETRACTOR_ASSERT(K.values.size() == 9 * K.pattern.block_count());
+    if (pattern_changed_)
+        analyse(K.pattern);
     if (free_.empty())
         return;
     for (std::size_t i = 0; i < value_source_.size(); ++i)

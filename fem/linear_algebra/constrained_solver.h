@@ -22,6 +22,10 @@ public:
     /// @param prescribed one flag per unknown, 1 = prescribed
     ConstrainedSolver(const BlockPattern& pattern, std::vector<std::uint8_t> prescribed);
 
+    /// From here on K has another pattern, with the same nodes. The factor at hand still preconditions iterate(); the
+    /// next factorise() orders and analyses anew.
+    void change_pattern() { pattern_changed_ = true; }
+
     const std::vector<std::uint8_t>& prescribed() const { return prescribed_; }
     std::size_t free_count() const { return free_.size(); }
 
@@ -59,6 +63,7 @@ public:
     void mask(Eigen::VectorXd& vector) const;
 
 private:
+    void analyse(const BlockPattern& pattern);
     Eigen::VectorXd precondition(const Eigen::VectorXd& r); ///< with the present factor, in either precision
     Eigen::MatrixXd unpacked(const Eigen::MatrixXd& solution) const;
 
@@ -67,6 +72,7 @@ private:
     std::vector<std::int32_t> value_source_; ///< index into BlockMatrix::values, per entry of the Cholesky pattern
     std::vector<double> values_;
     SparseCholesky cholesky_;
+    bool pattern_changed_ = false; ///< since the last analysis
 };
 
 } // namespace retractor::fem

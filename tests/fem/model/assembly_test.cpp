@@ -1,6 +1,7 @@
 #include "fem/model/elastic_body.h"
 
 #include "fem/linear_algebra/constrained_solver.h"
+#include "fem/model/contact.h"
 #include "mesh/base/error.h"
 #include "tests/support/dense_matrix.h"
 #include "tests/support/reference_problems.h"
@@ -11,9 +12,12 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
+#include <vector>
 
 namespace retractor::fem {
 namespace assembly_test {
@@ -191,6 +195,56 @@ namespace assembly_test {
         } catch (const SolverError& error) {
             EXPECT_NE(error.where().find("node "), std::string::npos) << error.where();
         }
+    }
+
+    TEST(ConstrainedSolver, AnOldFactorPreconditionsAMatrixOfAnotherPattern)
+    {
+        const mesh::TetMesh mesh = verification::distorted_box(5, 2.0, 0.2, 1);
+        ElasticBody body(mesh, Elasticity::linear, test_support::uniform(mesh, kTissue));
+        const std::vector<std::uint8_t> prescribed = test_support::boundary_unknowns(mesh);
+        const BlockMatrix K = body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 1.0);
+        ConstrainedSolver solver(K.pattern, prescribed);
+        solver.factorise(K);
+
+        // A spring between two nodes that share no element.
+        std::vector<std::int32_t> inner;
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+            if (prescribed[3 * v] == 0)
+                inner.push_back(static_cast<std::int32_t>(v));
+        ASSERT_GE(inner.size(), 2U);
+        const std::pair ends(inner.back(), inner.front());
+        BlockMatrix with_spring;
+        with_spring.pattern = extended_pattern(K.pattern, { ends });
+        with_spring.values.assign(9 * with_spring.pattern.block_count(), 0.0);
+        ASSERT_EQ(with_spring.pattern.block_count(), K.pattern.block_count() + 1);
+        for (std::size_t row = 0, from = 0, to = 0; row < K.pattern.row_count(); ++row)
+            for (auto end = static_cast<std::size_t>(with_spring.pattern.row_start[row + 1]); to < end; ++to) {
+                const bool added
+                    = static_cast<std::int32_t>(row) == ends.first && with_spring.pattern.column[to] == ends.second;
+                if (!added)
+                    std::copy_n(K.values.begin() + static_cast<std::ptrdiff_t>(9 * from++), 9,
+                        with_spring.values.begin() + static_cast<std::ptrdiff_t>(9 * to));
+                const bool on_diagonal = with_spring.pattern.column[to] == static_cast<std::int32_t>(row);
+                const bool at_end
+                    = static_cast<std::int32_t>(row) == ends.first || static_cast<std::int32_t>(row) == ends.second;
+                constexpr double kSpring = 3.0; // N/mm, along each axis
+                for (const std::size_t i : { 0U, 4U, 8U })
+                    with_spring.values[9 * to + i] += added ? -kSpring : on_diagonal && at_end ? kSpring : 0.0;
+            }
+        const Eigen::VectorXd b = verification::nodal_values(mesh, linear_field);
+        ConstrainedSolver fresh(with_spring.pattern, prescribed);
+        fresh.factorise(with_spring);
+        const Eigen::VectorXd expected = fresh.solve(b);
+        const double size = expected.cwiseAbs().maxCoeff();
+
+        solver.change_pattern();
+        constexpr double kTolerance = 1e-10;
+        const ConstrainedSolver::Iterated iterated = solver.iterate(with_spring, b, kTolerance, 20);
+        EXPECT_TRUE(iterated.converged);
+        EXPECT_GT(iterated.iterations, 1); // the factor is that of the body without the spring
+        EXPECT_LE((iterated.solution - expected).cwiseAbs().maxCoeff(), 100.0 * kTolerance * size);
+        solver.factorise(with_spring);
+        EXPECT_LE((solver.solve(b) - expected).cwiseAbs().maxCoeff(), 1e-13 * size);
     }
 
 } // namespace assembly_test

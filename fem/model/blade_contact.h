@@ -27,6 +27,7 @@
 // pattern of the stiffness has blocks between the nodes of a blade and those of its faces, and never changes.
 
 #include "fem/linear_algebra/block_matrix.h"
+#include "fem/model/contact.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <Eigen/Core>
@@ -38,8 +39,6 @@
 
 namespace retractor::fem {
 
-/// Largest stiffness of the penalty, N/mm^3. By its modulus bone would get several hundred times more.
-inline constexpr double kStiffestN_mm3 = 10.0;
 /// Width of the band across the edges of a blade in which its pressure fades, mm: the rounding of a blade's edge.
 inline constexpr double kBladeFadeMm = 2.0;
 /// Stiffness of the spring along the blade, relative to the stiffness of the penalty.

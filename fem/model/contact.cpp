@@ -1,5 +1,6 @@
 #include "fem/model/contact.h"
 
+#include "fem/linear_algebra/parallel.h"
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
@@ -7,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -34,6 +36,15 @@ namespace {
         const double squared = n.squaredNorm();
         const double v = w.cross(c).dot(n) / squared, u = b.cross(w).dot(n) / squared;
         return { 1.0 - v - u, v, u };
+    }
+
+    std::vector<Vec3> unit_normals(const Points& at, const std::vector<std::array<VertexId, 3>>& triangles)
+    {
+        std::vector<Vec3> normals;
+        normals.reserve(triangles.size());
+        for (const auto& triangle : triangles)
+            normals.push_back(unit_normal(triangle_corners(at, triangle)));
+        return normals;
     }
 
     bool faces_point(const Vec3& point, const std::array<Vec3, 3>& face)
@@ -169,8 +180,8 @@ double Contact::Surface::area_towards(VertexId point, const Points& at, const Ve
 Contact::Contact(const mesh::TetMesh& mesh, const std::vector<Lame>& lame, ContactOptions options)
     : options_(std::move(options))
 {
-    if (!(options_.stiffness > 0.0 && std::isfinite(options_.stiffness) && options_.reach > 0.0
-            && std::isfinite(options_.reach)))
+    if (!(options_.stiffness > 0.0 && std::isfinite(options_.stiffness) && options_.stiffest_N_mm3 > 0.0
+            && options_.reach > 0.0 && std::isfinite(options_.reach)))
         throw InputError("the penalty's stiffness and the reach must be positive", "contact");
     if (lame.size() != mesh.tet_count())
         throw InputError("contact needs the parameters of each element", "contact");
@@ -198,6 +209,7 @@ Contact::Contact(const mesh::TetMesh& mesh, const std::vector<Lame>& lame, Conta
     options_.fixed.clear(); // the surfaces are kept in fixed_ only
     fixed_ = surface_of(std::move(fixed), std::move(triangles));
     near_fixed_.emplace(fixed_.rest, fixed_.triangles, options_.reach);
+    fixed_normals_ = unit_normals(fixed_.rest, fixed_.triangles);
 
     modulus_per_edge_.assign(mesh.vertex_count(), 0.0);
     edge_.assign(mesh.vertex_count(), 0.0);
@@ -254,17 +266,23 @@ void Contact::pair_points(const Side& points, const Side& faces, const mesh::Tri
     const Points normals = points.surface.normals(points.at);
     const bool self = points.of_body && faces.of_body;
     const std::vector<double>& overlap = self ? points.surface.overlap_self : points.surface.overlap_other;
-    for (const VertexId v : points.surface.points) {
-        const auto known = before.find(points.number(v));
-        if (pairing == Pairing::new_only && known != before.end()) {
-            pairs.push_back(*known->second);
-            continue;
+    std::array<std::vector<ContactPair>, 2> found;
+    parallel_halves(points.surface.points.size(), [&](std::size_t half, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const VertexId v = points.surface.points[i];
+            const auto known = before.find(points.number(v));
+            if (pairing == Pairing::new_only && known != before.end()) {
+                found[half].push_back(*known->second);
+                continue;
+            }
+            const Seeker seeker { v, points.at.row(v).transpose(), normals.row(v).transpose(),
+                overlap[static_cast<std::size_t>(v)], known != before.end() ? known->second : nullptr };
+            if (const std::array<VertexId, 3>* best = best_face(points, faces, near, seeker))
+                found[half].push_back(make_pair(points, faces, seeker, *best));
         }
-        const Seeker seeker { v, points.at.row(v).transpose(), normals.row(v).transpose(),
-            overlap[static_cast<std::size_t>(v)], known != before.end() ? known->second : nullptr };
-        if (const std::array<VertexId, 3>* best = best_face(points, faces, near, seeker))
-            pairs.push_back(make_pair(points, faces, seeker, *best));
-    }
+    });
+    for (const std::vector<ContactPair>& half : found)
+        pairs.insert(pairs.end(), half.begin(), half.end());
 }
 
 /// The nearest face that the point can meet; the face of its last pair where this face is about as near.
@@ -280,7 +298,10 @@ const std::array<VertexId, 3>* Contact::best_face(
                 points.surface.triangles[static_cast<std::size_t>(t)].end());
     const std::array<VertexId, 3>* best = nullptr;
     double nearest = 0.0;
-    for (const mesh::TriangleProximity::Nearby& candidate : near.within(seeker.place, options_.reach)) {
+    const auto opposed = [&](std::int32_t triangle) { // most faces within reach are those round the point itself
+        return seeker.normal.dot(faces.normals[static_cast<std::size_t>(triangle)]) < kOpposed;
+    };
+    for (const mesh::TriangleProximity::Nearby& candidate : near.within(seeker.place, options_.reach, opposed)) {
         if (best != nullptr && candidate.point.distance > kAsGood * nearest + kRoundOffMm)
             break;
         const auto& triangle = faces.surface.triangles[static_cast<std::size_t>(candidate.triangle)];
@@ -300,12 +321,12 @@ const std::array<VertexId, 3>* Contact::best_face(
     return best;
 }
 
-/// Whether the point and the face look towards each other, and the point is not behind the face since rest.
+/// Whether the point lies over a face that looks towards it, and is not behind the face since rest.
 bool Contact::can_meet(
     const Side& points, const Side& faces, const Seeker& seeker, const std::array<VertexId, 3>& triangle) const
 {
     const std::array<Vec3, 3> face = triangle_corners(faces.at, triangle);
-    if (!(seeker.normal.dot(unit_normal(face)) < kOpposed) || !faces_point(seeker.place, face))
+    if (!faces_point(seeker.place, face))
         return false;
     const std::array<Vec3, 3> face_at_rest = triangle_corners(faces.surface.rest, triangle);
     const Vec3 p_at_rest = points.surface.rest.row(seeker.vertex).transpose();
@@ -336,7 +357,7 @@ ContactPair Contact::make_pair(
     }
     ContactPair pair { { points.number(seeker.vertex), faces.number(triangle[0]), faces.number(triangle[1]),
                            faces.number(triangle[2]) },
-        0.5 * options_.stiffness * modulus * area, seeker.overlap };
+        0.5 * std::min(options_.stiffness * modulus, options_.stiffest_N_mm3) * area, seeker.overlap };
     if (!pairs_.empty())
         keep_smooth(pair, signed_distance(seeker.place, face), seeker.before, points.at, faces.at,
             edge_at(points, seeker.vertex, triangle));
@@ -350,7 +371,8 @@ bool Contact::find(const Eigen::VectorXd& u, Pairing pairing)
         throw InputError("a displacement is not finite", "contact");
     const mesh::TriangleProximity near_body(at, body_.triangles, options_.reach);
     std::vector<ContactPair> found;
-    const Side body { body_, at, true }, fixed { fixed_, fixed_.rest, false };
+    const std::vector<Vec3> normals = unit_normals(at, body_.triangles);
+    const Side body { body_, at, true, normals }, fixed { fixed_, fixed_.rest, false, fixed_normals_ };
     pair_points(body, body, near_body, pairing, found);
     if (!fixed_.triangles.empty()) {
         pair_points(body, fixed, *near_fixed_, pairing, found);

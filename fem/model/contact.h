@@ -29,10 +29,16 @@
 
 namespace retractor::fem {
 
+/// Stiffest penalty: bone sinks by 0.1 mm for each MPa of pressure. By its own modulus it would sink by less than its
+/// surface is known to, and Newton's method would shorten most of its steps where one of its vertices meets a surface.
+inline constexpr double kStiffestN_mm3 = 10.0;
+
 struct ContactOptions {
     /// Stiffness of the penalty: pressure per depth, in P-wave moduli (lambda + 2 mu) of the tissue per edge length.
     /// A pressure of a tenth of the tissue's modulus then causes a depth of a two-hundredth of an edge.
     double stiffness = 20.0;
+    /// Upper limit of this stiffness, N/mm^3.
+    double stiffest_N_mm3 = kStiffestN_mm3;
     /// search distance, mm; pairs stay complete while a surface moves less than half of it between two calls of
     /// find()
     double reach = 6.0;
@@ -131,6 +137,7 @@ private:
         const Surface& surface;
         const Points& at;
         bool of_body; ///< false: the fixed surfaces
+        const std::vector<Vec3>& normals; ///< unit normals of the triangles
 
         std::int32_t number(VertexId v) const { return of_body ? v : ~v; } ///< as in ContactPair::node
     };
@@ -163,6 +170,7 @@ private:
     std::vector<double> modulus_per_edge_; ///< P-wave modulus over edge length, one per node of the body, N/mm^3
     std::vector<double> edge_; ///< edge length, one per node of the body, mm
     std::optional<mesh::TriangleProximity> near_fixed_;
+    std::vector<Vec3> fixed_normals_; ///< unit normals of the triangles of the fixed surfaces
     std::vector<ContactPair> pairs_;
     double overlap_at_rest_ = 0.0;
 };

@@ -114,10 +114,8 @@ namespace {
             if (body_.contact() == nullptr || !body_.find_contact(u_, pairing))
                 return false;
             if (pattern_ != body_.patterns_made()) {
-                const Stopwatch watch;
-                solver_ = ConstrainedSolver(body_.last_stiffness().pattern, solver_.prescribed());
+                solver_.change_pattern();
                 pattern_ = body_.patterns_made();
-                result_.factor_seconds += watch.seconds();
             }
             state_ = respond(u_);
             return true;
@@ -130,12 +128,17 @@ namespace {
             // other's equilibrium, further rounds do not end.
             constexpr int kRoundsAnew = 6, kRounds = 12;
             Outcome outcome = settle_blades(begin_friction(tolerance, max_iterations), tolerance, max_iterations);
+            Energies before = energies();
             for (int round = 0; outcome == Outcome::converged
                  && renew_contact(round < kRoundsAnew ? Contact::Pairing::all_anew : Contact::Pairing::new_only);
                  ++round) {
                 if (round == kRounds)
                     return Outcome::out_of_iterations;
                 outcome = settle_blades(iterate(tolerance, max_iterations), tolerance, max_iterations);
+                const Energies after = energies();
+                if (is_rough() && is_unchanged(after.all - before.all, after.contact - before.contact))
+                    return outcome; // other pairs do not matter
+                before = after;
             }
             return outcome;
         }
@@ -163,7 +166,7 @@ namespace {
         /// Iterates as iterate(), and renews the friction of the blades on the way: the state before needs no rest.
         Outcome begin_friction(double tolerance, int max_iterations)
         {
-            constexpr double kRoughly = 0.05; // residual
+            constexpr double kRoughly = 0.2; // residual of tissue that sticks, where the friction is not known yet
             if (body_.blades() != nullptr && tolerance < kRoughly) {
                 if (const Outcome outcome = iterate(kRoughly, max_iterations); outcome != Outcome::converged)
                     return outcome;
@@ -237,15 +240,29 @@ namespace {
             return std::max(largest_length(forces), body_.blades()->largest_nodal_force(u_));
         }
 
-        /// Whether the last step ended the iteration by EquilibriumOptions::energy_tolerance.
-        bool has_settled() const
+        struct Energies {
+            double all = 0.0, contact = 0.0; ///< N mm
+        };
+        Energies energies() const { return { state_.energy, contact_energy(u_) }; }
+
+        /// Whether changes of the energies, N mm, are within EquilibriumOptions::energy_tolerance.
+        bool is_unchanged(double all, double contact) const
         {
-            constexpr double kRough = 0.02; // residual
             const double limit = options_.energy_tolerance;
-            return limit > 0.0 && body_.blades() != nullptr && result_.residual <= kRough
-                && last_.fall <= limit * std::abs(state_.energy)
-                && last_.contact_change <= std::sqrt(limit) * contact_energy(u_);
+            return std::abs(all) <= limit * std::abs(state_.energy)
+                && std::abs(contact) <= std::sqrt(limit) * contact_energy(u_);
         }
+
+        /// Whether the energy tolerance may end an iteration here.
+        bool is_rough() const
+        {
+            constexpr double kRough = 0.02, kOfTolerance = 5.0; // residual
+            return options_.energy_tolerance > 0.0 && body_.blades() != nullptr
+                && result_.residual <= std::max(kRough, kOfTolerance * options_.tolerance);
+        }
+
+        /// Whether the last step ended the iteration by EquilibriumOptions::energy_tolerance.
+        bool has_settled() const { return is_rough() && is_unchanged(last_.fall, last_.contact_change); }
 
         double energy_noise(const Eigen::VectorXd& u) const
         {
@@ -458,12 +475,14 @@ namespace {
             bool fresh = false;
             for (;;) {
                 assemble(lift_);
-                if (solver_.factorised()) {
+                if (solver_.factorised() && !std::exchange(has_poor_factor_, false)) {
                     const ConstrainedSolver::Iterated iterated = iterate_linear(b, tolerance, worth_a_factor());
-                    if (iterated.converged || (fresh && !iterated.negative_curvature))
-                        return iterated.solution;
-                    // A factor that needed many iterations to find this would need them again.
+                    // A factor that needed many iterations would need them again.
                     const bool is_poor = !fresh && 2 * iterated.iterations > worth_a_factor();
+                    if (iterated.converged || (fresh && !iterated.negative_curvature)) {
+                        has_poor_factor_ = is_poor;
+                        return iterated.solution;
+                    }
                     if (iterated.negative_curvature && lift_ < 1.0) {
                         if (std::exchange(raised_steps_, std::max(raised_steps_, kRaisedSteps)) > 0 && !is_poor)
                             lift_ = std::min(1.0, std::max(4.0 * lift_, kLeast));
@@ -525,6 +544,7 @@ namespace {
         {
             const Stopwatch watch;
             const bool first = !solver_.factorised();
+            has_poor_factor_ = false;
             solver_.factorise(K);
             result_.factor_seconds += watch.seconds();
             ++result_.factorisations;
@@ -563,6 +583,7 @@ namespace {
         double largest_load_ = 0.0; ///< largest nodal load, N
         Eigen::VectorXd u_;
         double lift_ = 0.0; ///< share of the negative eigenvalues that was last removed from the element stiffness
+        bool has_poor_factor_ = false; ///< the factor at hand preconditions badly
         int raised_steps_ = 0; ///< so many steps more take the stiffness with raised extremes
         ElasticBody::Response state_;
         struct LastStep {
@@ -817,11 +838,14 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
         result.assemble_seconds += watch.seconds();
         record_part(job, "assembly", watch, body.bytes());
     }
-    if (!solver_ || solver_->prescribed() != prescribed || pattern_ != body.patterns_made()) {
+    if (!solver_ || solver_->prescribed() != prescribed) {
         const Stopwatch analysis;
         solver_.emplace(body.last_stiffness().pattern, prescribed);
         pattern_ = body.patterns_made();
         result.factor_seconds += analysis.seconds();
+    } else if (pattern_ != body.patterns_made()) {
+        solver_->change_pattern();
+        pattern_ = body.patterns_made();
     }
     Newton newton(body, *solver_, options, job, result, pattern_, assembled_);
     if (body.has_loads())

@@ -23,6 +23,7 @@ namespace {
     constexpr double kLargestTurn = 0.35; // rad: a step is linear in the rotation
     constexpr int kMostHalvings = 4;
     constexpr double kNoForceN = 1e-3; // below, a blade bears nothing, and forces are round-off
+    constexpr double kRoughestEnergy = 10.0; // energy tolerance of a rough opening, over that of the last opening
     constexpr double kTornStrain = 4.0; // Green-Lagrange strain at threefold stretch, beyond what any tissue bears
 
     enum class Stop { free, low, high };
@@ -184,7 +185,8 @@ namespace {
         void open(const FrameState& state, const Job& job, double tolerance)
         {
             tolerance_ = tolerance;
-            opening_.set_tolerance(tolerance);
+            opening_.set_tolerance(tolerance,
+                options_.energy_tolerance * std::clamp(tolerance / options_.tolerance, 1.0, kRoughestEnergy));
             found_.state = state;
             found_.blades = blades_at(frame_, state, std::move(found_.blades));
             found_.opening = opening_.open(found_.blades, job);

@@ -20,19 +20,19 @@ namespace retractor::fem {
 
 namespace {
 
-    void check_tolerance(double tolerance)
+    void check_tolerances(double tolerance, double energy_tolerance)
     {
         if (!(tolerance > 0.0 && tolerance < 1.0))
             throw InputError("the tolerance " + std::to_string(tolerance) + " is not between 0 and 1");
+        if (!(energy_tolerance >= 0.0 && energy_tolerance < 1.0))
+            throw InputError("the tolerance of the energy is not between 0 and 1");
     }
 
     void check_options(const OpeningOptions& options)
     {
         if (options.load_steps < 1 || options.max_newton_iterations < 1)
             throw InputError("opening needs at least one load step and one Newton iteration");
-        check_tolerance(options.tolerance);
-        if (!(options.energy_tolerance >= 0.0 && options.energy_tolerance < 1.0))
-            throw InputError("the tolerance of the energy is not between 0 and 1");
+        check_tolerances(options.tolerance, options.energy_tolerance);
         if (!(options.far_tolerance >= 0.0))
             throw InputError(
                 "the tolerance " + std::to_string(options.far_tolerance) + " is not zero or more", "condensed region");
@@ -295,10 +295,11 @@ void Opening::set_load_steps(int least)
     state_->options.load_steps = least;
 }
 
-void Opening::set_tolerance(double tolerance)
+void Opening::set_tolerance(double tolerance, double energy_tolerance)
 {
-    check_tolerance(tolerance);
+    check_tolerances(tolerance, energy_tolerance);
     state_->options.tolerance = tolerance;
+    state_->options.energy_tolerance = energy_tolerance;
 }
 
 OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)

@@ -56,9 +56,10 @@ public:
     /// @throws InputError on less than one step
     void set_load_steps(int least);
 
-    /// Changes OpeningOptions::tolerance for the openings that follow: on the way to an answer a rough one is enough.
-    /// @throws InputError on a tolerance that is not between 0 and 1
-    void set_tolerance(double tolerance);
+    /// Changes OpeningOptions::tolerance and energy_tolerance for the openings that follow: on the way to an answer
+    /// rough ones are enough.
+    /// @throws InputError on a tolerance that is not between 0 and 1; the second may be 0
+    void set_tolerance(double tolerance, double energy_tolerance);
 
     /// Stiffness against small motions of the hooks' nodes, linearised at the state of the last open(); cheaper than
     /// motion_response(), because the ordering is there.

@@ -259,8 +259,9 @@ namespace frame_opening_test {
         EXPECT_LE(found.imbalance, rough.tolerance);
         EXPECT_LE(found.opening.residual, kExactOpening.tolerance);
         Opening opening(block.problem, kExactOpening);
-        EXPECT_THROW(opening.set_tolerance(0.0), InputError);
-        EXPECT_THROW(opening.set_tolerance(std::numeric_limits<double>::quiet_NaN()), InputError);
+        EXPECT_THROW(opening.set_tolerance(0.0, 0.0), InputError);
+        EXPECT_THROW(opening.set_tolerance(1e-3, -1e-4), InputError);
+        EXPECT_THROW(opening.set_tolerance(std::numeric_limits<double>::quiet_NaN(), 0.0), InputError);
     }
 
     TEST(FrameOpening, TheStiffnessOfAnOpeningIsTheDerivativeOfItsForces)

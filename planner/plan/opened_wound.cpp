@@ -236,10 +236,14 @@ namespace {
         return marked;
     }
 
-    /// Marks the elements that touch bone, cartilage or a lip: four-node elements bend bone too stiffly, and fold where
-    /// hooks and blades bear on soft tissue. Soft elements at the front of the cut are not marked: slivers that the
-    /// blade left there stretch many times over, and with midpoints Newton's method takes dozens of steps for them. In
-    /// a wall without bone hooks bear on soft tissue alone: all elements are marked.
+    /// Farther from the lips tissue is hardly strained: docs/method/verification.md has what four-node elements there
+    /// change.
+    constexpr double kTenNodesWithinMm = 60.0;
+
+    /// Marks the elements near the lips that touch bone, cartilage or a lip: four-node elements bend bone too stiffly,
+    /// and fold where hooks and blades bear on soft tissue. Soft elements at the front of the cut are not marked:
+    /// slivers that the blade left there stretch many times over, and with midpoints Newton's method takes dozens of
+    /// steps for them. In a wall without bone hooks bear on soft tissue alone: all elements are marked.
     std::vector<std::uint8_t> elements_at_bone_and_lips(const PlannedField& field, const mesh::LabelTable& table)
     {
         const mesh::TetMesh& wall = field.wall;
@@ -257,6 +261,10 @@ namespace {
         for (std::size_t t = 0; t < marked.size(); ++t)
             if (around[t] != 0 && bone[t] == 0)
                 marked[t] = 0;
+        if (field.lips.empty())
+            return marked;
+        const std::vector<std::uint8_t> near = fem::elements_near(wall, lip_points(field), kTenNodesWithinMm);
+        std::ranges::transform(marked, near, marked.begin(), std::bit_and<>());
         return marked;
     }
 

@@ -3,23 +3,17 @@
 #include "mesh/base/each_on_threads.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "planner/case/case_io.h"
+#include "ui/cli/batch/batch_folder.h"
 #include "ui/cli/batch/job_status.h"
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/framework/run_program.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
-#include <map>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -30,36 +24,6 @@ namespace retractor::ui::cli {
 namespace {
 
     namespace fs = std::filesystem;
-
-    /// Holds a folder for one batch at a time, until this process ends.
-    class FolderLock {
-    public:
-        explicit FolderLock(const fs::path& folder)
-            : file_(::open((folder / ".batch.lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644))
-        {
-            if (file_ < 0)
-                throw IoError("cannot write into the folder", folder.string());
-            if (::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-                ::close(file_);
-                throw InputError("another batch is at work in this folder", folder.string());
-            } // a file system without locks cannot tell
-        }
-        FolderLock(const FolderLock&) = delete;
-        FolderLock& operator=(const FolderLock&) = delete;
-        ~FolderLock() { ::close(file_); }
-
-    private:
-        int file_;
-    };
-
-    /// What the result of a job depends on.
-    std::string inputs_of(const BatchJob& job, const std::string& case_sum)
-    {
-        std::string text = "retractor " RETRACTOR_VERSION " " + case_sum + " " + job.approach;
-        for (const std::string& option : job.options)
-            text += " " + option;
-        return text;
-    }
 
     double size_of(const fs::path& folder)
     {
@@ -133,24 +97,6 @@ namespace {
         return status;
     }
 
-    /// The rows of a sweep, with the statuses of an earlier run that still hold.
-    std::vector<BatchRow> rows_of(
-        const std::vector<BatchJob>& jobs, const std::vector<std::string>& inputs, const fs::path& folder, bool retry)
-    {
-        std::vector<BatchRow> rows;
-        for (std::size_t n = 0; n < jobs.size(); ++n) {
-            BatchRow row { .job = jobs[n], .status = read_job_status(folder / jobs[n].name) };
-            const bool holds = row.status && row.status->inputs == inputs[n]
-                && row.status->state != JobStatus::State::running
-                && !(row.status->state == JobStatus::State::failed && (retry || !row.status->lasting));
-            if (!holds)
-                row.status.reset();
-            read_numbers(row, folder);
-            rows.push_back(std::move(row));
-        }
-        return rows;
-    }
-
     /// Runs what has no status yet, several at a time. The summary is written after every job.
     void run_rows(std::vector<BatchRow>& rows, const std::vector<std::string>& inputs, const fs::path& folder,
         const fs::path& jobs_folder, const BatchSettings& settings, const Job& job)
@@ -193,14 +139,7 @@ BatchRun run_batch(
     make_folder(folder);
     const FolderLock lock(folder);
     make_folder(jobs_folder);
-    std::map<fs::path, std::string> sums;
-    std::vector<std::string> inputs;
-    for (const BatchJob& one : jobs) {
-        std::string& sum = sums[one.case_file];
-        if (sum.empty())
-            sum = planner::checksum(one.case_file);
-        inputs.push_back(inputs_of(one, sum));
-    }
+    const std::vector<std::string> inputs = inputs_of(jobs);
     ::setenv("OPENBLAS_NUM_THREADS", "1", 1);
     BatchRun run { .rows = rows_of(jobs, inputs, jobs_folder, settings.retry) };
     run.skipped = static_cast<std::size_t>(
@@ -210,6 +149,25 @@ BatchRun run_batch(
     write_batch_summary(folder, jobs_folder, run.rows);
     run.seconds = watch.seconds();
     return run;
+}
+
+BatchRow run_batch_job(const std::vector<BatchJob>& jobs, const std::string& name, const fs::path& folder,
+    const BatchSettings& settings, const Job& job)
+{
+    const auto named = std::ranges::find(jobs, name, &BatchJob::name);
+    if (named == jobs.end())
+        throw InputError("the sweep has no job with this name", name);
+    ::setenv("OPENBLAS_NUM_THREADS", "1", 1);
+    const fs::path jobs_folder = folder / "jobs";
+    const std::string inputs = inputs_of({ *named }).front();
+    BatchRow row { .job = *named, .status = read_job_status(jobs_folder / name) };
+    const bool again = row.status && row.status->state == JobStatus::State::failed && settings.retry;
+    if (!row.status || again || !is_end(*row.status, inputs))
+        row.status = run_job(*named, inputs, jobs_folder / name, settings.limit_s, [&] { return job.cancelled(); });
+    if (row.status->state == JobStatus::State::running)
+        row.status.reset();
+    read_numbers(row, jobs_folder);
+    return row;
 }
 
 } // namespace retractor::ui::cli

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace retractor::ui::cli {
@@ -27,6 +28,12 @@ struct BatchRun {
 /// leaves jobs without a status.
 /// @throws InputError when another batch is at work in this folder; IoError
 BatchRun run_batch(const std::vector<BatchJob>& jobs, const std::filesystem::path& folder,
+    const BatchSettings& settings, const Job& job);
+
+/// Runs one job of a sweep, unless it has ended already, and writes its status. The summaries stay as they are. This is
+/// what a task of a cluster does for the batch that submitted it, which holds the folder.
+/// @throws InputError when the sweep has no such job; IoError
+BatchRow run_batch_job(const std::vector<BatchJob>& jobs, const std::string& name, const std::filesystem::path& folder,
     const BatchSettings& settings, const Job& job);
 
 } // namespace retractor::ui::cli

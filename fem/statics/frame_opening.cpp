@@ -75,6 +75,7 @@ namespace {
             , frame_(frame)
             , drive_(drive)
             , options_(options)
+            , energy_tolerance_(options.energy_tolerance)
             , how_(how)
             , job_(job)
             , balancing_(job)
@@ -173,7 +174,24 @@ namespace {
                 was_cut_ = was_cut_ || share < 1.0;
                 update(share * step, forces_ - forces);
             }
+            turn_elements_back();
             found_.opening.message += formatted("; the retractor is in balance after %d opening(s)", found_.openings);
+        }
+
+        /// Elements may still be turned over where the energy has settled: further steps turn some of them back.
+        void turn_elements_back()
+        {
+            constexpr double kFiner = 0.01; // energy tolerance, over that of the last opening
+            if (found_.opening.inverted_elements == 0 || options_.energy_tolerance == 0.0)
+                return;
+            const FrameOpening last = found_;
+            energy_tolerance_ = kFiner * options_.energy_tolerance;
+            continue_from(last.opening.displacement);
+            open(last.state, balancing_, options_.tolerance);
+            const bool is_better = is_open() && found_.imbalance <= how_.tolerance
+                && found_.opening.inverted_elements < last.opening.inverted_elements;
+            if (!is_better && found_.opening.status != OpeningStatus::cancelled)
+                found_ = last;
         }
 
         void continue_from(const Points& displacement)
@@ -185,8 +203,8 @@ namespace {
         void open(const FrameState& state, const Job& job, double tolerance)
         {
             tolerance_ = tolerance;
-            opening_.set_tolerance(tolerance,
-                options_.energy_tolerance * std::clamp(tolerance / options_.tolerance, 1.0, kRoughestEnergy));
+            opening_.set_tolerance(
+                tolerance, energy_tolerance_ * std::clamp(tolerance / options_.tolerance, 1.0, kRoughestEnergy));
             found_.state = state;
             found_.blades = blades_at(frame_, state, std::move(found_.blades));
             found_.opening = opening_.open(found_.blades, job);
@@ -363,6 +381,7 @@ namespace {
         const BladeFrame& frame_;
         RackDrive drive_;
         OpeningOptions options_;
+        double energy_tolerance_; ///< of the present opening, where it is not rough
         FrameOptions how_;
         const Job& job_;
         Job balancing_; ///< the job of all openings after the first: its progress begins again under another name

@@ -190,7 +190,7 @@ namespace {
             open(last.state, balancing_, options_.tolerance);
             const bool is_better = is_open() && found_.imbalance <= how_.tolerance
                 && found_.opening.inverted_elements < last.opening.inverted_elements;
-            if (!is_better && found_.opening.status != OpeningStatus::cancelled)
+            if (!is_better) // also where the time is up meanwhile: the balance is there
                 found_ = last;
         }
 

@@ -196,6 +196,12 @@ std::string surgical_name(const Approach& approach)
     const std::string in_space = space.empty() ? std::string() : ", " + ordinal(space) + " space";
     if (kind == "median")
         return "Median sternotomy";
+    if (kind == "hemisternotomy-j")
+        return "J hemisternotomy" + in_space;
+    if (kind == "hemisternotomy-j-left")
+        return "Left J hemisternotomy" + in_space;
+    if (kind == "hemisternotomy-t")
+        return "T hemisternotomy" + in_space;
     if (kind == "intercostal") {
         const std::string side = operated_side(approach);
         return (side.empty() ? "Thoracotomy" : side + " thoracotomy") + in_space;

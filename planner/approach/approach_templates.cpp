@@ -32,8 +32,16 @@ namespace {
     /// Multiple of the median thickness; a thicker wall is no chest wall (shoulder, belly).
     constexpr double kThickWall = 2.0;
 
-    constexpr std::array<std::string_view, 6> kTemplateKinds { "median", "intercostal", "distal", "midcab",
-        "right-anterior", "right-lateral" };
+    constexpr int kHemisternotomySpace = 4; ///< where the saw turns, unless the request says otherwise
+    /// A level outside these shares of the sternum's length has no hemisternotomy.
+    constexpr double kHighestLevel = 0.2, kLowestLevel = 0.9;
+    /// A rib whose front end lies farther from the sternum's midline has no labelled cartilage.
+    constexpr double kCartilageMm = 45.0;
+
+    constexpr std::array<std::string_view, 9> kTemplateKinds { "median", "hemisternotomy-j", "hemisternotomy-j-left",
+        "hemisternotomy-t", "intercostal", "distal", "midcab", "right-anterior", "right-lateral" };
+
+    bool is_sternal(std::string_view kind) { return kind == "median" || kind.starts_with("hemisternotomy"); }
 
     struct ParsedTemplate {
         std::string kind;
@@ -44,8 +52,9 @@ namespace {
     {
         const auto refuse = [&](const std::string& why) -> ParsedTemplate {
             throw InputError(why + " \"" + text
-                    + "\": use median, intercostal:N, distal, midcab, right-anterior or right-lateral; the last four "
-                      "also with a space of their own, such as midcab:4",
+                    + "\": use median, hemisternotomy-j, hemisternotomy-j-left, hemisternotomy-t, intercostal:N, "
+                      "distal, midcab, right-anterior or right-lateral; all but median also with a space of their "
+                      "own, such as midcab:4",
                 "template", { "template_name" });
         };
         ParsedTemplate parsed;
@@ -207,27 +216,29 @@ namespace {
         }
     }
 
-    // ---- median ----------------------------------------------------------------------------------------------------
+    // ---- through the sternum ---------------------------------------------------------------------------------------
 
-    void place_median(const BodyProbe& probe, const Anatomy& anatomy, Approach& approach)
+    /// An incision on the sternum's midline, from kBeyondSternumMm above the notch to a distance below the notch.
+    void incise_sternum(const BodyProbe& probe, const Anatomy& anatomy, double to_mm, Approach& approach)
     {
         const SternumAxis& sternum = anatomy.sternum;
         const Vec3& forward = anatomy.frame.anterior;
         const Vec3 back = -(forward - sternum.axis.dot(forward) * sternum.axis).normalized();
-        const double length = (sternum.top - sternum.bottom).dot(sternum.axis) + 2.0 * kBeyondSternumMm;
+        const double bone = (sternum.top - sternum.bottom).dot(sternum.axis);
+        const double length = to_mm + kBeyondSternumMm;
         const int count = std::max(2, static_cast<int>(std::ceil(length / kPointSpacingMm - 0.0123)));
         const auto& midline = sternum.midline;
         for (int n = 0; n <= count; ++n) {
             // Distance below the notch, in midline nodes. The line continues straight beyond both ends.
             const double depth = length * n / count - kBeyondSternumMm;
-            const double place = depth / (length - 2.0 * kBeyondSternumMm) * static_cast<double>(midline.size() - 1);
+            const double place = depth / bone * static_cast<double>(midline.size() - 1);
             const auto node
                 = static_cast<std::size_t>(std::clamp(std::floor(place), 0.0, static_cast<double>(midline.size() - 2)));
             const Vec3 middle
                 = midline[node] + (place - static_cast<double>(node)) * (midline[node + 1] - midline[node]);
             const auto skin = probe.skin_along(middle, -back);
             if (!skin) {
-                if (depth < 0.0 || depth > length - 2.0 * kBeyondSternumMm)
+                if (depth < 0.0 || depth > bone)
                     continue; // the image ends here
                 throw InputError("no skin in front of the sternum near " + in_words(middle), "sternum");
             }
@@ -235,11 +246,76 @@ namespace {
             approach.directions.push_back(back);
             approach.hook_depth_mm.push_back(*skin);
         }
+    }
+
+    void place_median(const BodyProbe& probe, const Anatomy& anatomy, Approach& approach)
+    {
+        const SternumAxis& sternum = anatomy.sternum;
+        incise_sternum(
+            probe, anatomy, (sternum.top - sternum.bottom).dot(sternum.axis) + kBeyondSternumMm, approach);
         const std::size_t omitted = measure_wall(probe, approach);
         approach.rationale = "Full median sternotomy: the midline of the sternum, found in its label, from "
             + in_words(kBeyondSternumMm) + " mm above the notch to " + in_words(kBeyondSternumMm)
             + " mm below the xiphoid, put on the skin square to the bone. The sternum ("
             + in_words((sternum.top - sternum.bottom).norm()) + " mm long) is sawn through; ribs and spine are not cut."
+            + wall_words(approach, omitted);
+    }
+
+    /// Where a space meets the sternum.
+    struct SternalLevel {
+        double below_notch_mm = 0.0;
+        bool by_cartilage = true; ///< false: by the bony ribs' front ends, because no cartilage is labelled there
+    };
+
+    SternalLevel level_of_space(const Anatomy& anatomy, bool left, int space)
+    {
+        const SternumAxis& sternum = anatomy.sternum;
+        SternalLevel level;
+        for (const int number : { space, space + 1 }) {
+            const Vec3& front = find_rib(anatomy, left, number).points.back();
+            const double below = (sternum.top - front).dot(sternum.axis);
+            level.below_notch_mm += 0.5 * below;
+            level.by_cartilage = level.by_cartilage
+                && std::abs((front - sternum.top).dot(anatomy.frame.left)) < kCartilageMm;
+        }
+        return level;
+    }
+
+    /// An upper hemisternotomy: the midline as far as a space, and the saw's turn there.
+    void place_hemisternotomy(
+        const BodyProbe& probe, const Anatomy& anatomy, const ParsedTemplate& parsed, Approach& approach)
+    {
+        const int space = parsed.space > 0 ? parsed.space : kHemisternotomySpace;
+        const bool across = parsed.kind == "hemisternotomy-t", left = parsed.kind == "hemisternotomy-j-left";
+        SternalLevel level = level_of_space(anatomy, left, space);
+        if (across) {
+            const SternalLevel other = level_of_space(anatomy, true, space);
+            level.below_notch_mm = 0.5 * (level.below_notch_mm + other.below_notch_mm);
+            level.by_cartilage = level.by_cartilage && other.by_cartilage;
+        }
+        const double bone = (anatomy.sternum.top - anatomy.sternum.bottom).dot(anatomy.sternum.axis);
+        if (!(level.below_notch_mm > kHighestLevel * bone && level.below_notch_mm < kLowestLevel * bone))
+            throw InputError("intercostal space " + std::to_string(space) + " meets the sternum "
+                    + in_words(level.below_notch_mm) + " mm below the notch of a sternum of " + in_words(bone)
+                    + " mm: choose another space for a hemisternotomy",
+                "template", { "template_name" });
+        incise_sternum(probe, anatomy, level.below_notch_mm, approach);
+        approach.division.extent = across ? DivisionExtent::sternum_across
+            : left                        ? DivisionExtent::sternum_left
+                                          : DivisionExtent::sternum_right;
+        approach.template_name = parsed.kind + ":" + std::to_string(space);
+        const std::size_t omitted = measure_wall(probe, approach);
+        approach.rationale = std::string("Upper hemisternotomy, ") + (across ? "T" : left ? "J to the left" : "J")
+            + ": the midline of the sternum from " + in_words(kBeyondSternumMm) + " mm above the notch to the level of "
+            + (across     ? "both intercostal spaces " + std::to_string(space)
+                    : space_name(left, space))
+            + ", " + in_words(level.below_notch_mm) + " mm below the notch"
+            + (level.by_cartilage ? "" : " by the front ends of the bony ribs, because their cartilages have no labels")
+            + "; there the saw turns under the skin "
+            + (across     ? "to both edges of the sternum."
+                    : left ? "to the sternum's left edge."
+                           : "to the sternum's right edge.")
+            + " The skin is cut as far as the bone is sawn; in theatre a shorter cut is moved over the bone."
             + wall_words(approach, omitted);
     }
 
@@ -627,15 +703,21 @@ Approach approach_from_template(const mesh::LabelVolume& labels, const Anatomy& 
 {
     const ParsedTemplate parsed = parse_template(request.template_name);
     check_request(labels, request);
-    if (parsed.kind == "median" && request.length_mm > 0.0)
-        throw InputError(
-            "a median sternotomy is as long as the sternum: give no length, or give the incision by points", "length",
-            { "length_mm", "points" });
+    if (is_sternal(parsed.kind) && request.length_mm > 0.0)
+        throw InputError(parsed.kind == "median"
+                ? "a median sternotomy is as long as the sternum: give no length, or give the incision by points"
+                : "a hemisternotomy ends at its space: give no length but another space, or give the incision by "
+                  "points",
+            "length", { "length_mm", "points" });
     const BodyProbe probe(labels);
     Approach approach = start(request, request.template_name);
     approach.uncut_labels = bone_names(labels.table);
-    if (parsed.kind == "median") {
-        place_median(probe, anatomy, approach);
+    if (is_sternal(parsed.kind)) {
+        if (parsed.kind == "median")
+            place_median(probe, anatomy, approach);
+        else
+            place_hemisternotomy(probe, anatomy, parsed, approach);
+        approach.division.extent = request.division.value_or(approach.division.extent);
         // The saw goes through the sternum, and through calcified cartilage without a name of its own.
         for (const char* sawn : { "sternum", "bone_other" })
             std::erase(approach.uncut_labels, sawn);

@@ -4,6 +4,9 @@
 //
 // - median: full sternotomy. The incision follows the sternum's midline from 10 mm above the notch to 10 mm below the
 //   xiphoid. The blade is square to the sternum and saws it through.
+// - hemisternotomy-j[:N], hemisternotomy-j-left[:N], hemisternotomy-t[:N]: upper hemisternotomy. The incision follows the
+//   sternum's midline from 10 mm above the notch to the level of space N (the 4th by default), where the saw turns under
+//   the skin: to the right edge (J), to the left one, or to both (T) [Onan 2020, doi 10.5606/tgkdc.dergisi.2020.19614].
 // - intercostal:N: thoracotomy in the middle between rib N and rib N+1, lateral, 170 mm long, on the left unless the
 //   request says otherwise.
 // - distal[:N]: left posterolateral thoracotomy for the distal arch and the descending aorta, 160 mm long, in space N

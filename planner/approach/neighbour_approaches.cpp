@@ -189,6 +189,28 @@ namespace {
         return neighbour;
     }
 
+    /// A hemisternotomy whose saw turns in another space.
+    NeighbourApproach hemisternotomy_at(const Surroundings& around, const Approach& approach, int own, int number)
+    {
+        const bool higher = number < own;
+        NeighbourApproach neighbour = tried(higher ? "one space higher" : "one space lower", [&] {
+            ApproachRequest request;
+            request.template_name = kind_of(approach) + ":" + std::to_string(number);
+            request.target = approach.target;
+            request.sizing = approach.sizing;
+            request.view = approach.view;
+            const Approach placed = approach_from_template(*around.labels, *around.anatomy, request);
+            Approach moved = with_incision_of(approach, placed);
+            moved.template_name = placed.template_name;
+            return moved;
+        });
+        if (neighbour.approach) {
+            neighbour.approach->name = approach.name + "_space_" + std::to_string(number);
+            say_origin(*neighbour.approach, approach, neighbour.where);
+        }
+        return neighbour;
+    }
+
     NeighbourApproach along_incision(
         Patient& patient, const Surroundings& around, const Approach& approach, bool by_template, double shift_mm)
     {
@@ -229,6 +251,12 @@ std::vector<NeighbourApproach> neighbours_of(Patient& patient, const Approach& a
         around.anatomy = patient.anatomy();
         around.space = space_under_incision(*around.anatomy, approach);
     } catch (const InputError&) { // no landmarks: an incision has neighbours along itself
+    }
+    if (const std::string kind = kind_of(approach); kind.starts_with("hemisternotomy")) {
+        if (around.anatomy && approach.template_name.size() > kind.size() + 1)
+            for (const int own = std::stoi(approach.template_name.substr(kind.size() + 1)); const int step : { -1, 1 })
+                neighbours.push_back(hemisternotomy_at(around, approach, own, own + step));
+        return neighbours;
     }
     const bool by_template = is_where_its_template_puts_it(around, approach);
     if (around.space)

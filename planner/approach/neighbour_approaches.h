@@ -23,7 +23,7 @@ struct NeighbourApproach {
 /// The same operation in the space above, in the space below, and kNeighbourStepMm along the incision to either side.
 /// Template, length, division, target, views and what opens the wound are those of the approach. An incision that was
 /// drawn is moved to the same angles of the other space. An incision that follows no space has neighbours along itself
-/// only, and a median sternotomy has none.
+/// only, a hemisternotomy in the spaces above and below only, and a median sternotomy has none.
 /// Labels without landmarks have no spaces. @throws InputError, IoError as Patient::labels() does
 std::vector<NeighbourApproach> neighbours_of(Patient& patient, const Approach& approach);
 

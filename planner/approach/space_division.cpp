@@ -12,7 +12,6 @@
 #include <cstddef>
 #include <limits>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -222,7 +221,7 @@ namespace {
         RETRACTOR_ASSERT(length > 0.0);
         const int count = std::max(1, static_cast<int>(std::ceil(length / kPointSpacingMm - 0.0123)));
         std::vector<SpacePlace> places;
-        DivisionStroke stroke { .forwards = forwards };
+        DivisionStroke stroke { .way = forwards ? StrokeWay::forwards : StrokeWay::backwards };
         for (int n = 0; n <= count; ++n) {
             places.push_back(place_beyond(space, end, length * n / count, forwards));
             if (n > 0)
@@ -272,6 +271,8 @@ namespace {
             division.strokes.push_back(make_stroke(space, back, backwards.length_mm, false, beyond_ribs));
         if (forwards.length_mm >= kShortestMm)
             division.strokes.push_back(make_stroke(space, front, forwards.length_mm, true, beyond_ribs));
+        for (DivisionStroke& stroke : division.strokes)
+            stroke.severs = divided.names;
         division.words = "in the " + space_name(space.left, space.number)
             + " intercostal muscle and pleura are divided beyond the skin " + way_words(backwards, false) + " and "
             + way_words(forwards, true);
@@ -296,24 +297,6 @@ void find_space_division(Approach& approach, const mesh::LabelVolume& labels, co
             = std::string("the intercostal space was not found, and nothing is divided beyond the skin: ")
             + error.what();
     }
-}
-
-void find_space_division(Approach& approach, Patient& patient)
-{
-    approach.division.strokes.clear();
-    approach.division.words.clear();
-    if (approach.division.extent != DivisionExtent::full)
-        return;
-    std::shared_ptr<const Anatomy> anatomy;
-    try {
-        anatomy = patient.anatomy();
-    } catch (const InputError& error) {
-        approach.division.words
-            = std::string("the intercostal space was not found, and nothing is divided beyond the skin: ")
-            + error.what();
-        return;
-    }
-    find_space_division(approach, *patient.labels(), *anatomy);
 }
 
 } // namespace retractor::planner

@@ -6,7 +6,6 @@
 #include "mesh/image/volume.h"
 #include "planner/anatomy/anatomy.h"
 #include "planner/case/approach.h"
-#include "planner/case/patient.h"
 
 namespace retractor::planner {
 
@@ -20,8 +19,5 @@ inline constexpr double kFromSpineMm = 40.0;
 /// Fills Division::strokes and Division::words of an approach with full division; clears them otherwise. Where the
 /// space cannot be found, there are no strokes, and the words tell the reason.
 void find_space_division(Approach& approach, const mesh::LabelVolume& labels, const Anatomy& anatomy);
-/// The same for a patient, whose landmarks are looked for only where the approach asks for full division. Landmarks
-/// that are missing are a reason in words too.
-void find_space_division(Approach& approach, Patient& patient);
 
 } // namespace retractor::planner

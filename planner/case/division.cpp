@@ -12,9 +12,12 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr std::array<std::pair<DivisionExtent, std::string_view>, 2> kExtents { {
+    constexpr std::array<std::pair<DivisionExtent, std::string_view>, 5> kExtents { {
         { DivisionExtent::skin, "skin" },
         { DivisionExtent::full, "full" },
+        { DivisionExtent::sternum_right, "sternum-right" },
+        { DivisionExtent::sternum_left, "sternum-left" },
+        { DivisionExtent::sternum_across, "sternum-across" },
     } };
 
     /// Longer than any intercostal space from spine to sternum; more is a mistaken unit.
@@ -38,6 +41,27 @@ namespace {
     }
 
 } // namespace
+
+bool divides_sternum(DivisionExtent extent)
+{
+    return extent == DivisionExtent::sternum_right || extent == DivisionExtent::sternum_left
+        || extent == DivisionExtent::sternum_across;
+}
+
+std::string_view to_string(StrokeWay way)
+{
+    switch (way) {
+    case StrokeWay::forwards:
+        return "forwards";
+    case StrokeWay::backwards:
+        return "backwards";
+    case StrokeWay::right:
+        return "right";
+    case StrokeWay::left:
+        return "left";
+    }
+    return {};
+}
 
 std::string_view to_string(DivisionExtent extent)
 {

@@ -1,6 +1,7 @@
 #pragma once
-// How far the muscles between two ribs are divided: along the skin incision only, or beyond its ends, as surgeons do to
-// spread ribs without breaking them. Plain data; the extent and the distances are written to and read from case.json.
+// What is divided beyond the skin incision, under intact skin: the muscles between two ribs, as surgeons do to spread
+// ribs without breaking them, or the sternum from its midline to its edge, as in a hemisternotomy. Plain data; the
+// extent and the distances are written to and read from case.json.
 // Units mm; frame patient LPS.
 
 #include "mesh/base/geometry.h"
@@ -16,35 +17,48 @@ namespace retractor::planner {
 
 /// - skin: every layer of the wall is divided as far as the skin.
 /// - full: intercostal muscle and pleura are divided beyond both ends of the skin incision, under intact skin.
-enum class DivisionExtent { skin, full };
+/// - sternum_right, sternum_left, sternum_across: at the lower end of an incision over the sternum the bone is sawn
+///   across, from the incision to its right edge, to its left edge, or to both. The first is the J of an upper
+///   hemisternotomy, the last its T.
+enum class DivisionExtent { skin, full, sternum_right, sternum_left, sternum_across };
 
-/// "skin" or "full", and back; nothing for another word.
+bool divides_sternum(DivisionExtent extent);
+
+/// "skin", "full", "sternum-right", "sternum-left" or "sternum-across", and back; nothing for another word.
 std::string_view to_string(DivisionExtent extent);
 std::optional<DivisionExtent> division_extent_from_string(std::string_view text);
 
-/// One stroke along an intercostal space, beyond one end of the incision. The blade lies inside the chest and cuts
-/// outwards, as far as the outer side of the ribs: whatever covers the ribs stays whole.
+/// Where a stroke leads: along an intercostal space towards the sternum or towards the spine, or across the sternum
+/// towards the patient's right or left.
+enum class StrokeWay { forwards, backwards, right, left };
+
+/// "forwards", "backwards", "right" or "left".
+std::string_view to_string(StrokeWay way);
+
+/// One stroke beyond an end of the incision. The blade lies inside the chest and cuts outwards, as far as the outer side
+/// of the bones: whatever covers them stays whole.
 struct DivisionStroke {
-    bool forwards = true; ///< towards the sternum; false: towards the spine
+    StrokeWay way = StrokeWay::forwards;
+    std::vector<std::string> severs {}; ///< labels that the stroke severs
     std::vector<Vec3> line {}; ///< inside the chest, from the incision's end; at least two points
     std::vector<Vec3> directions {}; ///< out of the chest, unit; one per point
     double depth_mm = 0.0; ///< from the line to the outer side of the ribs
-    double length_mm = 0.0; ///< along the middle of the space
+    double length_mm = 0.0; ///< along the middle of the space, or across the sternum
 };
 
-/// How an approach divides the intercostal space.
+/// How an approach divides the intercostal space or the sternum.
 struct Division {
     DivisionExtent extent = DivisionExtent::skin;
     /// Distances along the space beyond the incision's ends, towards the sternum and towards the spine. Not set: as far
-    /// as find_space_division() allows.
+    /// as find_division() allows.
     std::optional<double> forwards_mm {}, backwards_mm {};
 
-    // Found in the labels by find_space_division(); not a part of case.json.
+    // Found in the labels by find_division(); not a part of case.json.
     std::vector<DivisionStroke> strokes {}; ///< empty: only the skin's length is divided
     std::string words {}; ///< what was found, or the reason why nothing is divided beyond the skin
 };
 
-/// The tissue that a division severs beyond the skin.
+/// The tissue that the division of an intercostal space severs beyond the skin.
 struct DividedLabels {
     std::vector<Label> ids {};
     std::vector<std::string> names {}; ///< in the same order

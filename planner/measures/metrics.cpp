@@ -372,6 +372,8 @@ namespace {
         put(json, field, "length_mm", division.length_mm);
         put(json, field, "forwards_mm", division.forwards_mm);
         put(json, field, "backwards_mm", division.backwards_mm);
+        put(json, field, "right_mm", division.right_mm);
+        put(json, field, "left_mm", division.left_mm);
         put(json, field, "severed_mm2", division.severed_mm2);
         json["message"] = division.words;
         return json;
@@ -684,7 +686,7 @@ std::string division_text(const FieldMetrics& field)
     if (!field.division)
         return {};
     const DividedTissue& division = *field.division;
-    if (!(division.backwards_mm + division.forwards_mm > 0.0))
+    if (!(division.beyond_mm() > 0.0))
         return division.words;
     return (division.words.empty() ? "divided beyond the skin: " + division_cell(field) : division.words)
         + formatted("; the division is %.0f mm long with the incision, and severs %.1f cm2 beyond it",
@@ -715,7 +717,7 @@ std::string division_cell(const FieldMetrics& field)
 {
     if (!field.division)
         return "skin only";
-    if (!(field.division->backwards_mm + field.division->forwards_mm > 0.0))
+    if (!(field.division->beyond_mm() > 0.0))
         return "skin only, although more was asked for";
     return formatted("%.0f mm backwards, %.0f mm forwards", field.division->backwards_mm, field.division->forwards_mm);
 }
@@ -735,6 +737,8 @@ std::string error_text(const FieldMetrics& field)
     if (!field.error->message.empty())
         return "error not estimated: " + field.error->message;
     const ErrorBars& error = *field.error;
+    if (const double across = field.division->right_mm + field.division->left_mm; across > 0.0)
+        return formatted("%.0f mm across the sternum", across);
     return formatted("opening %.1f mm +- %.1f", field.opening_width_mm, error.opening_width_mm)
         + (forces_are_known(field) ? formatted(" under a known force of %.1f N", field.hook_force_N)
                                    : formatted(", force %.1f N +- %.1f", field.hook_force_N, error.hook_force_N))

@@ -10,7 +10,7 @@
 #include "mesh/image/skeleton.h"
 #include "planner/approach/bearing_points.h"
 #include "planner/approach/retractors.h"
-#include "planner/approach/space_division.h"
+#include "planner/approach/find_division.h"
 #include "planner/case/plausible_input.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metrics.h"
@@ -575,7 +575,7 @@ namespace {
             approach.hooks = blades_of(approach);
         }
         find_bearing_points(approach, *patient.labels());
-        find_space_division(approach, patient);
+        find_division(approach, patient);
     }
 
     // Of the drafts that find a region: what moves far away depends little on the mesh at the wound.

@@ -38,13 +38,31 @@ namespace {
         return blade;
     }
 
-    std::string way_of(const DivisionStroke& stroke) { return stroke.forwards ? "forwards" : "backwards"; }
-
     [[noreturn]] void refuse(const DivisionStroke& stroke, const std::string& why)
     {
-        throw SolverError("intercostal muscle and pleura could not be divided " + way_of(stroke) + ": " + why
-                + "; give a shorter distance (" + way_of(stroke) + "_mm of the division), or divide at skin length",
-            "division/" + way_of(stroke));
+        const std::string way(to_string(stroke.way));
+        const bool sternum = stroke.way == StrokeWay::right || stroke.way == StrokeWay::left;
+        throw SolverError(sternum
+                ? "the sternum could not be sawn across to the " + way + ": " + why
+                    + "; move the incision's lower end, or divide no more than the skin"
+                : "intercostal muscle and pleura could not be divided " + way + ": " + why
+                    + "; give a shorter distance (" + way + "_mm of the division), or divide at skin length",
+            "division/" + way);
+    }
+
+    double& length_of(DividedTissue& divided, StrokeWay way)
+    {
+        switch (way) {
+        case StrokeWay::forwards:
+            return divided.forwards_mm;
+        case StrokeWay::backwards:
+            return divided.backwards_mm;
+        case StrokeWay::right:
+            return divided.right_mm;
+        case StrokeWay::left:
+            break;
+        }
+        return divided.left_mm;
     }
 
     /// Makes one stroke. @returns a result with the status done or cancelled
@@ -69,29 +87,29 @@ namespace {
 
 } // namespace
 
-mesh::CutOptions division_options(const Approach& approach, const mesh::LabelTable& table)
+mesh::CutOptions division_options(
+    const Approach& approach, const DivisionStroke& stroke, const mesh::LabelTable& table)
 {
-    const std::vector<Label> divided = divided_labels(table).ids;
     mesh::CutOptions options;
     for (const mesh::LabelInfo& info : table)
-        if (std::find(divided.begin(), divided.end(), info.id) == divided.end()
+        if (std::find(stroke.severs.begin(), stroke.severs.end(), info.name) == stroke.severs.end()
             || std::find(approach.uncut_labels.begin(), approach.uncut_labels.end(), info.name)
                 != approach.uncut_labels.end())
             options.uncut_labels.push_back(info.id);
     return options;
 }
 
-DivisionCut divide_space(
+DivisionCut divide_beyond_skin(
     mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table, const Job& job)
 {
     DivisionCut cut;
     if (approach.division.strokes.empty())
         return cut;
-    const mesh::CutOptions options = division_options(approach, table);
-    DividedTissue divided { .labels = divided_labels(table).names, .length_mm = incision_length(approach) };
+    DividedTissue divided { .labels = approach.division.strokes.front().severs,
+        .length_mm = incision_length(approach) };
     for (const DivisionStroke& stroke : approach.division.strokes) {
         RETRACTOR_ASSERT(stroke.line.size() >= 2 && stroke.directions.size() == stroke.line.size());
-        mesh::CutResult result = make_stroke(session, approach, stroke, options, job);
+        mesh::CutResult result = make_stroke(session, approach, stroke, division_options(approach, stroke, table), job);
         cut.status = result.status;
         if (cut.status != mesh::CutStatus::done)
             return cut;
@@ -99,7 +117,7 @@ DivisionCut divide_space(
         if (!(result.report.lip_area_mm2 > 0.0))
             refuse(stroke, "the blade severs none of this tissue");
         divided.severed_mm2 += result.report.lip_area_mm2;
-        (stroke.forwards ? divided.forwards_mm : divided.backwards_mm) += stroke.length_mm;
+        length_of(divided, stroke.way) += stroke.length_mm;
         divided.length_mm += stroke.length_mm;
     }
     divided.words = approach.division.words;

@@ -1,5 +1,6 @@
 #pragma once
-// Divides intercostal muscle and pleura beyond the ends of the skin incision, in a session that has made the skin cut.
+// Divides intercostal muscle and pleura, or the sternum, beyond the ends of the skin incision, in a session that has made
+// the skin cut.
 // Units mm; frame patient LPS (rest configuration).
 
 #include "mesh/base/job.h"
@@ -20,16 +21,17 @@ struct [[nodiscard]] DivisionCut {
     std::optional<DividedTissue> divided; ///< empty where the approach has no strokes
 };
 
-/// The cut options of a stroke: everything but the divided labels stays connected (divided_labels()), and so does what
-/// the approach's blade does not sever either.
-mesh::CutOptions division_options(const Approach& approach, const mesh::LabelTable& table);
+/// The cut options of a stroke: everything but what the stroke severs stays connected, and so does what the approach's
+/// blade does not sever either.
+mesh::CutOptions division_options(
+    const Approach& approach, const DivisionStroke& stroke, const mesh::LabelTable& table);
 
-/// Makes the strokes of Division::strokes, which find_space_division() has found. A stroke that the cutter refuses is
+/// Makes the strokes of Division::strokes, which find_division() has found. A stroke that the cutter refuses is
 /// tried again with a start a little inside the incision, on the blade of the skin cut.
 /// @pre the session has made the approach's incision
-/// @throws SolverError at "division/forwards" or "division/backwards" when a stroke cannot be made or severs nothing;
+/// @throws SolverError at "division/" and the stroke's way when a stroke cannot be made or severs nothing;
 /// strokes before stay. IoError of the session's witness
-DivisionCut divide_space(
+DivisionCut divide_beyond_skin(
     mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table, const Job& job = {});
 
 } // namespace retractor::planner

@@ -489,7 +489,7 @@ PlannedCut cut_as_planned(mesh::CutSession& session, const Approach& approach, c
     if (cut.status != mesh::CutStatus::done)
         return planned;
     planned.deltas.push_back(std::move(cut.delta));
-    DivisionCut division = divide_space(session, approach, table, job);
+    DivisionCut division = divide_beyond_skin(session, approach, table, job);
     planned.status = division.status;
     planned.divided = std::move(division.divided);
     std::move(division.deltas.begin(), division.deltas.end(), std::back_inserter(planned.deltas));

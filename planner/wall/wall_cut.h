@@ -35,7 +35,7 @@ struct [[nodiscard]] PlannedCut {
 };
 /// @param options usually cut_options_of(approach, table)
 /// @throws InputError on a malformed blade; with where() "ablations/0" when an ablation finds nothing to remove; also
-/// the errors of the session's witness (IoError of a journal); SolverError as divide_space() does. Cuts made before a
+/// the errors of the session's witness (IoError of a journal); SolverError as divide_beyond_skin() does. Cuts made before a
 /// failing stroke or ablation stay.
 PlannedCut cut_as_planned(mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table,
     const mesh::CutOptions& options, const Job& job = {});
@@ -93,7 +93,7 @@ struct [[nodiscard]] CutWall {
     std::vector<std::string> loose; ///< each loose piece and its treatment; crumbs together
     std::array<std::string, 2> took_lip; ///< removed loose pieces that bore faces of the lips of sides +1 and -1
 };
-/// @throws InputError as cut_as_planned() and hook_patches() do; SolverError as divide_space() does
+/// @throws InputError as cut_as_planned() and hook_patches() do; SolverError as divide_beyond_skin() does
 CutWall cut_wall(mesh::TetMesh uncut, const Approach& approach, const mesh::LabelTable& table, fem::Supports supports,
     const Job& job);
 

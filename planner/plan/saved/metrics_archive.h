@@ -65,7 +65,7 @@ RETRACTOR_ARCHIVE(SizingSpec, corridor_radius_mm, corridor_edge_mm, coarse_edge_
     mesh_seed, patch_edge_mm)
 RETRACTOR_ARCHIVE(HookPull, force_N, force_limit_N, grip_N_per_mm)
 RETRACTOR_ARCHIVE(OpeningProtocol, turn_mm, turns_per_step, wait_s, hold_s)
-RETRACTOR_ARCHIVE(DivisionStroke, forwards, line, directions, depth_mm, length_mm)
+RETRACTOR_ARCHIVE(DivisionStroke, way, severs, line, directions, depth_mm, length_mm)
 RETRACTOR_ARCHIVE(Division, extent, forwards_mm, backwards_mm, strokes, words)
 RETRACTOR_ARCHIVE(HookSpec, name, side, along_mm, depth_mm, patch_width_mm, patch_height_mm, direction, opening_mm,
     pull, hold, bearing, bears_on)
@@ -80,7 +80,7 @@ RETRACTOR_ARCHIVE(Approach, name, template_name, incision, directions, depth_mm,
 RETRACTOR_ARCHIVE(PressureMetrics, label, pressure_kPa, area_mm2, behind_gap_mm2, force_N, follows)
 RETRACTOR_ARCHIVE(
     BoneStiffness, label, name, material, origin, modulus_MPa, low_MPa, high_MPa, cut_off_MPa, share, sections, words)
-RETRACTOR_ARCHIVE(DividedTissue, labels, length_mm, forwards_mm, backwards_mm, severed_mm2, words)
+RETRACTOR_ARCHIVE(DividedTissue, labels, length_mm, forwards_mm, backwards_mm, right_mm, left_mm, severed_mm2, words)
 RETRACTOR_ARCHIVE(RemovedTissue, what, label, volume_mm3)
 RETRACTOR_ARCHIVE(PiercingBone, name, out_mm, at)
 RETRACTOR_ARCHIVE(OpeningGeometry, area_mm2, overlap_area_mm2, width_mm, length_mm, incision_length_mm, centre, normal,

@@ -53,7 +53,7 @@ namespace approach_templates_test {
         return r;
     }
 
-    const std::vector<std::string> kTemplates { "median", "intercostal:4", "intercostal:5", "distal", "midcab",
+    const std::vector<std::string> kTemplates { "median", "hemisternotomy-j", "hemisternotomy-t", "intercostal:4", "intercostal:5", "distal", "midcab",
         "right-anterior", "right-lateral" };
 
     double distance_to_bone(const mesh::LabelVolume& labels, const Approach& approach, std::string_view but_not)
@@ -135,7 +135,10 @@ namespace approach_templates_test {
         for (const std::string& name : kTemplates) {
             ApproachRequest r = request(name);
             EXPECT_EQ(approach_from_template(patients()[0].labels, r).division.extent,
-                name == "median" ? DivisionExtent::skin : DivisionExtent::full)
+                name == "median"                 ? DivisionExtent::skin
+                    : name == "hemisternotomy-j" ? DivisionExtent::sternum_right
+                    : name == "hemisternotomy-t" ? DivisionExtent::sternum_across
+                                                 : DivisionExtent::full)
                 << name;
             r.division = DivisionExtent::skin;
             EXPECT_EQ(approach_from_template(patients()[0].labels, r).division.extent, DivisionExtent::skin) << name;
@@ -174,7 +177,8 @@ namespace approach_templates_test {
         for (const Patient& patient : patients())
             for (const std::string& name : kTemplates) {
                 const Approach approach = approach_from_template(patient.labels, request(name));
-                const double distance = distance_to_bone(patient.labels, approach, name == "median" ? "sternum" : "");
+                const bool sternal = name == "median" || name.starts_with("hemisternotomy");
+                const double distance = distance_to_bone(patient.labels, approach, sternal ? "sternum" : "");
                 EXPECT_GT(distance, 0.5 * patient.labels.grid.spacing.maxCoeff() + 0.8) << patient.name << " " << name;
             }
     }
@@ -192,6 +196,28 @@ namespace approach_templates_test {
         EXPECT_EQ(std::count(approach.uncut_labels.begin(), approach.uncut_labels.end(), "rib_left_4"), 1);
         EXPECT_EQ(std::count(approach.retracted.begin(), approach.retracted.end(), "lung_right"), 1);
         EXPECT_FALSE(approach.rationale.empty());
+    }
+
+    TEST(ApproachTemplates, HemisternotomyEndsAtTheLevelOfItsSpace)
+    {
+        const test_support::ChestShape shape;
+        for (const int space : { 3, 4, 5 }) {
+            const Approach approach
+                = approach_from_template(patients()[0].labels, request("hemisternotomy-j:" + std::to_string(space)));
+            // The ribs of the round chest have no cartilage: their front ends give the level.
+            const double level = 0.5
+                * (test_support::rib_height_at(shape, space, test_support::kRibToDeg)
+                    + test_support::rib_height_at(shape, space + 1, test_support::kRibToDeg));
+            EXPECT_NEAR(approach.incision.front().z(), test_support::kSternumTop + 10.0, 3.0);
+            EXPECT_NEAR(approach.incision.back().z(), level, 3.0) << space;
+            EXPECT_NE(approach.rationale.find("cartilages have no labels"), std::string::npos);
+            EXPECT_EQ(approach.template_name, "hemisternotomy-j:" + std::to_string(space));
+        }
+        EXPECT_THROW(approach_from_template(patients()[0].labels, request("hemisternotomy-j:1")), InputError)
+            << "the first space lies at the notch";
+        ApproachRequest shorter = request("hemisternotomy-t");
+        shorter.length_mm = 60.0;
+        EXPECT_THROW(approach_from_template(patients()[0].labels, shorter), InputError);
     }
 
     TEST(ApproachTemplates, IntercostalRunsHalfWayBetweenTheRibs)

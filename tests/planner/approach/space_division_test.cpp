@@ -47,7 +47,7 @@ namespace space_division_test {
     const DivisionStroke& stroke(const Approach& approach, bool forwards)
     {
         return *std::find_if(approach.division.strokes.begin(), approach.division.strokes.end(),
-            [&](const DivisionStroke& s) { return s.forwards == forwards; });
+            [&](const DivisionStroke& s) { return (s.way == StrokeWay::forwards) == forwards; });
     }
 
     Vec3 outer_end(const DivisionStroke& s, std::size_t n) { return s.line[n] + s.depth_mm * s.directions[n]; }
@@ -153,7 +153,7 @@ namespace space_division_test {
         approach.division.backwards_mm = 0.0;
         find_space_division(approach, chest(), anatomy());
         ASSERT_EQ(approach.division.strokes.size(), 1U);
-        EXPECT_TRUE(approach.division.strokes[0].forwards);
+        EXPECT_TRUE(approach.division.strokes[0].way == StrokeWay::forwards);
         // The blend from the incision to the middle of the space may make the way a little longer.
         EXPECT_NEAR(approach.division.strokes[0].length_mm, 20.0, 1.0);
         approach.division.forwards_mm = 400.0;

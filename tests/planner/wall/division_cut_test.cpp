@@ -61,7 +61,9 @@ namespace division_cut_test {
     /// A stroke from x = `from` to x = `to` in the middle of the space, from 4 mm below the wall to a height.
     DivisionStroke stroke(bool forwards, double from, double to, double height)
     {
-        DivisionStroke s { .forwards = forwards, .depth_mm = 4.0 + height, .length_mm = std::abs(to - from) };
+        DivisionStroke s { .way = forwards ? StrokeWay::forwards : StrokeWay::backwards,
+            .severs = { "intercostal" },
+            .depth_mm = 4.0 + height, .length_mm = std::abs(to - from) };
         for (const double x : { from, 0.5 * (from + to), to }) {
             s.line.emplace_back(x, 17.3, -4.0);
             s.directions.emplace_back(0, 0, 1);
@@ -133,7 +135,10 @@ namespace division_cut_test {
     TEST(DivisionCut, WithoutALabelOfItsOwnTheDepthDecides)
     {
         mesh::CutSession session(wall(false));
-        const PlannedCut planned = cut_as_planned(session, between_ribs(8.0), table(false), {}, {});
+        Approach approach = between_ribs(8.0);
+        for (DivisionStroke& s : approach.division.strokes)
+            s.severs = divided_labels(table(false)).names;
+        const PlannedCut planned = cut_as_planned(session, approach, table(false), {}, {});
         ASSERT_EQ(planned.status, mesh::CutStatus::done) << planned.message;
         ASSERT_TRUE(planned.divided);
         EXPECT_EQ(planned.divided->labels, std::vector<std::string> { "muscle" });
@@ -152,6 +157,8 @@ namespace division_cut_test {
         const mesh::LabelTable all_muscle { { 1, "skin", "intercostal", mesh::Role::wall },
             { 2, "muscle", "intercostal", mesh::Role::wall }, { 3, "intercostal", "intercostal", mesh::Role::wall },
             { 7, "rib_left_4", "bone", mesh::Role::wall }, { 8, "rib_left_5", "bone", mesh::Role::wall } };
+        for (DivisionStroke& s : approach.division.strokes)
+            s.severs = divided_labels(all_muscle).names;
         const PlannedCut planned = cut_as_planned(session, approach, all_muscle, {}, {});
         ASSERT_EQ(planned.status, mesh::CutStatus::done) << planned.message;
         const std::vector<WallPiece> pieces = find_wall_pieces(session.compact_mesh(), all_muscle, {}, {});
@@ -231,10 +238,13 @@ namespace division_cut_test {
     TEST(DivisionCut, KeepsBoneSkinAndWhatTheApproachKeeps)
     {
         Approach approach = between_ribs(8.0);
-        EXPECT_EQ(division_options(approach, kTable).uncut_labels, (std::vector<Label> { 1, 2, 7, 8 }));
-        EXPECT_EQ(division_options(approach, table(false)).uncut_labels, (std::vector<Label> { 1, 7, 8 }));
+        DivisionStroke one = approach.division.strokes.front();
+        EXPECT_EQ(division_options(approach, one, kTable).uncut_labels, (std::vector<Label> { 1, 2, 7, 8 }));
+        one.severs = divided_labels(table(false)).names;
+        EXPECT_EQ(division_options(approach, one, table(false)).uncut_labels, (std::vector<Label> { 1, 7, 8 }));
+        one.severs = { "intercostal" };
         approach.uncut_labels.push_back("intercostal");
-        EXPECT_EQ(division_options(approach, kTable).uncut_labels, (std::vector<Label> { 1, 2, 3, 7, 8 }));
+        EXPECT_EQ(division_options(approach, one, kTable).uncut_labels, (std::vector<Label> { 1, 2, 3, 7, 8 }));
     }
 
     TEST(DivisionCut, AStrokeThatSeversNothingIsRefusedByName)

@@ -86,6 +86,12 @@ namespace {
         if (const planner::Division& division = approach.division; division.extent == planner::DivisionExtent::full)
             text += "  divides intercostal muscle and pleura beyond the skin: forwards "
                 + distance_text(division.forwards_mm) + ", backwards " + distance_text(division.backwards_mm) + "\n";
+        else if (planner::divides_sternum(division.extent))
+            text += std::string("  saws the sternum across under the skin, to ")
+                + (division.extent == planner::DivisionExtent::sternum_right      ? "its right edge"
+                        : division.extent == planner::DivisionExtent::sternum_left ? "its left edge"
+                                                                                   : "both edges")
+                + "\n";
         for (const planner::AblationSpec& ablation : approach.ablations)
             text += "  removes " + planner::ablation_text(ablation, planner::incision_length(approach)) + "\n";
         if (!approach.ablations.empty() || approach.loose_pieces != planner::LoosePieces::held)
@@ -184,14 +190,16 @@ namespace {
     /// @param both whether the command can add an approach for each extent
     CLI::Option* add_division_options(CLI::App& command, ApproachOptions& options, bool both)
     {
-        std::vector<std::string> extents { "skin", "full" };
+        std::vector<std::string> extents { "skin", "full", "sternum-right", "sternum-left", "sternum-across" };
         if (both)
             extents.emplace_back(kBothDivisions);
         CLI::Option* division
             = command
                   .add_option("--division", options.division,
-                      std::string("Extent of the division between the ribs: skin (every layer as far as the skin) or "
-                                  "full (intercostal muscle and pleura also beyond both ends of the incision)")
+                      std::string("What is divided beyond the skin incision: skin (nothing), full (intercostal muscle "
+                                  "and pleura beyond both ends of the incision), or sternum-right, sternum-left, "
+                                  "sternum-across (the sternum from the incision's lower end to its right edge, its "
+                                  "left edge or both)")
                           + (both ? "; both adds two approaches, NAME and NAME_skin, whose forces and openings the "
                                     "report compares. Default: full for templates between ribs, else skin"
                                   : ""))
@@ -451,7 +459,8 @@ namespace {
             "--division both");
         add_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
         add_command->add_option("--template", options->template_name,
-            "Template of the approach: median, intercostal:N, distal, midcab, right-anterior or right-lateral");
+            "Template of the approach: median, hemisternotomy-j, hemisternotomy-j-left, hemisternotomy-t, "
+            "intercostal:N, distal, midcab, right-anterior or right-lateral");
         CLI::Option* points = add_command->add_option("--points", options->points,
             "Points of the incision, x,y,z (mm, patient LPS) on or near the skin, in cutting order");
         add_command

@@ -11,7 +11,7 @@
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_journal.h"
 #include "mesh/tetrahedra/mesh_io.h"
-#include "planner/approach/space_division.h"
+#include "planner/approach/find_division.h"
 #include "planner/case/patient.h"
 #include "planner/measures/metrics.h"
 #include "planner/wall/parted_bones.h"
@@ -161,6 +161,7 @@ namespace {
         if (planned.divided)
             document["division"] = { { "labels", planned.divided->labels }, { "length_mm", planned.divided->length_mm },
                 { "forwards_mm", planned.divided->forwards_mm }, { "backwards_mm", planned.divided->backwards_mm },
+                { "right_mm", planned.divided->right_mm }, { "left_mm", planned.divided->left_mm },
                 { "severed_mm2", planned.divided->severed_mm2 } };
         std::string message = approach.division.words;
         remark(message, planned.message);
@@ -238,7 +239,7 @@ namespace {
         planner::Approach approach = planner::find_approach(planned_case, options.approach);
         const mesh::LabelTable& table = planned_case.label_table;
         planner::Patient patient(planned_case, job);
-        planner::find_space_division(approach, patient);
+        planner::find_division(approach, patient);
         const mesh::MeshSizing sizing = planner::mesh_sizing_of(approach, table);
         const mesh::HybridModel model = planner::build_wall(*patient.labels(), sizing, job);
         refuse_if_cancelled(job);

@@ -12,7 +12,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/tetrahedra/mesh_io.h"
-#include "planner/approach/space_division.h"
+#include "planner/approach/find_division.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/plan.h"
 #include "planner/wall/parted_bones.h"
@@ -471,7 +471,7 @@ namespace {
         std::string name = "wall";
         if (!options.approach.empty()) {
             planner::Approach approach = planner::find_approach(planned_case, options.approach);
-            planner::find_space_division(approach, patient);
+            planner::find_division(approach, patient);
             sizing = planner::mesh_sizing_of(approach, planned_case.label_table);
             name = options.approach + "-uncut";
         } else {

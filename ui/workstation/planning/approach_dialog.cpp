@@ -21,6 +21,7 @@ namespace retractor::ui {
 namespace {
 
     constexpr double kSternalOpeningMm = 60.0; ///< first proposal; see docs/user/approaches.md
+    constexpr double kHemisternalOpeningMm = 40.0;
     constexpr double kRibOpeningMm = 40.0;
     constexpr double kWidestMm = 200.0;
     constexpr int kHighestSpace = 2, kLowestSpace = 9, kUsualSpace = 4;
@@ -35,6 +36,11 @@ namespace {
     };
     constexpr std::array kKinds {
         Kind { "Median sternotomy", "median", false, false, "sternal", kSternalOpeningMm },
+        Kind { "Upper hemisternotomy, J to the right", "hemisternotomy-j", true, false, "finochietto",
+            kHemisternalOpeningMm },
+        Kind { "Upper hemisternotomy, J to the left", "hemisternotomy-j-left", true, false, "finochietto",
+            kHemisternalOpeningMm },
+        Kind { "Upper hemisternotomy, T", "hemisternotomy-t", true, false, "finochietto", kHemisternalOpeningMm },
         Kind { "Thoracotomy between two ribs", "intercostal", true, true, "finochietto", kRibOpeningMm },
         Kind { "Left posterolateral thoracotomy", "distal", true, false, "finochietto", kRibOpeningMm },
         Kind { "Left anterior mini-thoracotomy (MIDCAB)", "midcab", true, false, "midcab", kRibOpeningMm },

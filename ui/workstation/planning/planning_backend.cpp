@@ -120,6 +120,9 @@ namespace {
                 "plans divide intercostal muscle and pleura beyond the incision, cutting by hand divides them where "
                 "you "
                 "cut");
+        if (planner::divides_sternum(approach.division.extent))
+            remark(setup.caution,
+                "plans saw the sternum across under the skin, cutting by hand divides it where you cut");
         setup.write_wall
             = [](const std::filesystem::path& file, const mesh::TetMesh& wall) { mesh::write_vtu(file, wall); };
         Vec3 inward = Vec3::Zero();

@@ -381,6 +381,13 @@ void check_approach(const Approach& approach, const std::string& pointer)
         for (const char c : approach.target.site)
             if (static_cast<unsigned char>(c) < 0x20)
                 refuse("the words for a site must not hold control characters", pointer + "/target/site");
+    if (approach.target.normal) {
+        check_point(*approach.target.normal, pointer + "/target/normal");
+        if (!(approach.target.normal->norm() > 0.0))
+            refuse("must not be zero", pointer + "/target/normal");
+        if (!approach.target.is_site())
+            refuse("only a site has a normal", pointer + "/target/normal");
+    }
     if (approach.target.is_sphere() || approach.target.is_site()) {
         check_point(approach.target.centre, pointer + "/target/centre_mm");
         check_positive(approach.target.radius_mm, pointer + "/target/radius_mm");

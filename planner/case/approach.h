@@ -79,6 +79,8 @@ struct TargetSpec {
     Vec3 centre = Vec3::Zero(); ///< mm; of the sphere or the site
     double radius_mm = 0.0; ///< > 0; of the sphere, or of the part of the surface round the site's centre
     std::string site {}; ///< what is done on the label, in words: "anastomosis site"; empty: the whole label
+    /// Of the plane of a valve's annulus; not set: the plane fits the site's surface. Any length but zero.
+    std::optional<Vec3> normal {};
     bool is_sphere() const { return label.empty(); }
     bool is_site() const { return !label.empty() && !site.empty(); }
 };

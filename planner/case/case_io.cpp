@@ -267,6 +267,7 @@ namespace {
                 io.required("site", target.site);
             }
             io.required("centre_mm", target.centre, "radius_mm", target.radius_mm);
+            io.optional("normal", target.normal);
         }
         static void of(auto& io, Is<ViewSpec> auto& view)
         {

@@ -7,6 +7,7 @@
 #include "planner/anatomy/bone_stiffness.h"
 #include "planner/case/approach.h"
 #include "planner/case/solver_settings.h"
+#include "planner/measures/sight/annulus.h"
 #include "planner/wall/bones_through_skin.h"
 #include "planner/wall/divided_tissue.h"
 #include "planner/wall/removed_tissue.h"
@@ -360,10 +361,14 @@ struct FieldMetrics {
     double seen_best_eye = 0.0; ///< from the best place of the eye
     double seen_two_eyes = 0.0; ///< with two eyes round this place, and light from between them
     double reached_by_two_instruments = 0.0; ///< seen, and within reach of two straight shafts at once
+    double reached_by_finger = 0.0; ///< touched by a straight finger, seen or not; at most 1
+    /// Where a finger touches nothing: how much longer it would have to be; not set: it does not fit, or it touches.
+    std::optional<double> finger_lacks_mm;
     double best_eye_picture = 0.0; ///< projected area seen from the best place, over that of the target alone
     /// The same share, counted in the picture that is drawn from there; not set: no picture was drawn.
     std::optional<double> best_eye_pixels;
     BestEye best_eye;
+    std::optional<AnnulusAccess> annulus; ///< of a target that is a valve's annulus
     // The direction from the target to the middle of the opening.
     double access_horizontal_deg = 0.0; ///< in the axial plane, from straight ahead towards the patient's left
     double access_vertical_deg = 0.0; ///< out of the axial plane, towards the head
@@ -395,6 +400,7 @@ struct FieldMetrics {
     double opening_solid_angle_sr = 0.0;
     double attack_along_deg = 0.0, attack_across_deg = 0.0;
     double target_offset_mm = 0.0;
+    double surgical_freedom_mm2 = 0.0; ///< area for the near end of an instrument (sight/instruments.h)
     double incision_length_mm = 0.0;
     double cut_depth_mm = 0.0;
 

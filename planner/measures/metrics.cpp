@@ -563,15 +563,33 @@ namespace {
         return json;
     }
 
+    Json annulus_document(const FieldMetrics& field, const AnnulusAccess& annulus)
+    {
+        if (!annulus.message.empty())
+            return { { "message", annulus.message } };
+        Json json { { "centre_mm", { annulus.centre.x(), annulus.centre.y(), annulus.centre.z() } },
+            { "normal", { annulus.normal.x(), annulus.normal.y(), annulus.normal.z() } },
+            { "normal_is_given", annulus.given } };
+        put(json, field, "diameter_mm", annulus.diameter_mm);
+        put(json, field, "opening_off_axis_deg", annulus.opening_off_axis_deg);
+        put(json, field, "sight_off_axis_deg", annulus.sight_off_axis_deg);
+        put(json, field, "distance_mm", annulus.distance_mm);
+        return json;
+    }
+
     Json field_document(const FieldMetrics& field)
     {
         Json json;
         json["name"] = field.name;
         json["target"] = field.target;
         put(json, field, MetricGroup::sight);
+        if (field.finger_lacks_mm)
+            put(json, field, "finger_lacks_mm", *field.finger_lacks_mm);
         if (field.best_eye_pixels)
             put(json, field, "best_eye_pixels", *field.best_eye_pixels);
         json["best_eye"] = best_eye_document(field, field.best_eye);
+        if (field.annulus)
+            json["annulus"] = annulus_document(field, *field.annulus);
         json["if_organs_shift"] = Json::array();
         for (const ShiftedSight& shifted : field.if_organs_shift)
             json["if_organs_shift"].push_back(
@@ -719,6 +737,8 @@ std::string division_cell(const FieldMetrics& field)
         return "skin only";
     if (!(field.division->beyond_mm() > 0.0))
         return "skin only, although more was asked for";
+    if (const double across = field.division->right_mm + field.division->left_mm; across > 0.0)
+        return formatted("%.0f mm across the sternum", across);
     return formatted("%.0f mm backwards, %.0f mm forwards", field.division->backwards_mm, field.division->forwards_mm);
 }
 
@@ -737,8 +757,6 @@ std::string error_text(const FieldMetrics& field)
     if (!field.error->message.empty())
         return "error not estimated: " + field.error->message;
     const ErrorBars& error = *field.error;
-    if (const double across = field.division->right_mm + field.division->left_mm; across > 0.0)
-        return formatted("%.0f mm across the sternum", across);
     return formatted("opening %.1f mm +- %.1f", field.opening_width_mm, error.opening_width_mm)
         + (forces_are_known(field) ? formatted(" under a known force of %.1f N", field.hook_force_N)
                                    : formatted(", force %.1f N +- %.1f", field.hook_force_N, error.hook_force_N))

@@ -73,6 +73,28 @@ namespace {
             + ". Two instruments reach " + percent(metrics.reached_by_two_instruments) + ". ";
     }
 
+    std::string annulus_sentence(const FieldMetrics& metrics)
+    {
+        if (!metrics.annulus)
+            return {};
+        const AnnulusAccess& annulus = *metrics.annulus;
+        if (!annulus.message.empty())
+            return "No angle to the valve: " + annulus.message + ". ";
+        return formatted("The opening lies %.0f mm from the annulus, %.0f degrees off the valve's axis; the best eye looks "
+                         "along it at %.0f degrees. ",
+            annulus.distance_mm, annulus.opening_off_axis_deg, annulus.sight_off_axis_deg);
+    }
+
+    std::string finger_sentence(const FieldMetrics& metrics)
+    {
+        const std::string target = readable(metrics.target);
+        if (metrics.reached_by_finger > 0.0)
+            return "A finger touches " + percent(metrics.reached_by_finger) + ". ";
+        return metrics.finger_lacks_mm
+            ? formatted("A finger ends %.0f mm before the %s. ", std::max(1.0, *metrics.finger_lacks_mm), target.c_str())
+            : "No straight finger comes to the " + target + " through the opening. ";
+    }
+
     /// Names with their shares, the largest first.
     std::string named_shares(const std::vector<SightShare>& shares, std::size_t most)
     {
@@ -119,7 +141,7 @@ namespace {
 std::string explain_field(const PlannedField& field, const AnatomicalFrame& frame)
 {
     std::string text = field.approach.rationale.empty() ? "" : field.approach.rationale + " ";
-    text += sight_sentence(field.metrics);
+    text += sight_sentence(field.metrics) + annulus_sentence(field.metrics) + finger_sentence(field.metrics);
     if (const std::string side = hidden_side(field.exposure, frame); !side.empty())
         text += "What stays hidden is its " + side + " part. ";
     text += blocker_sentence(field.best_eye) + bone_sentence(field.exposure) + opening_sentence(field.metrics);

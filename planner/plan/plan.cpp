@@ -201,6 +201,9 @@ namespace {
         m.seen_best_eye = best.seen_fraction;
         m.seen_two_eyes = best.two_eyes_fraction;
         m.reached_by_two_instruments = best.two_instruments_fraction;
+        m.reached_by_finger = best.finger_fraction;
+        m.finger_lacks_mm = best.finger_lacks_mm;
+        m.surgical_freedom_mm2 = best.freedom_mm2;
         m.best_eye_picture = best.picture_share;
         m.best_eye = { .at = best.eye,
             .aim = best.aim,
@@ -463,6 +466,9 @@ namespace {
         field.metrics.attack_along_deg = view.from_target.along_deg;
         field.metrics.attack_across_deg = view.from_target.across_deg;
         field.metrics.target_offset_mm = view.from_target.offset_mm;
+        if (const TargetSpec& target = field.approach.target; is_annulus(target))
+            field.metrics.annulus
+                = annulus_access(target, *patient.target(target), field.geometry.centre, field.best_eye.eye);
         remark(field.message, view.message);
         if (field.exposure.status == ExposureStatus::cancelled || field.best_eye.status == ExposureStatus::cancelled)
             field.status = PlanStatus::cancelled;

@@ -167,6 +167,8 @@ WoundView look_through(const PlannedField& field, const Points& displacement, Pa
     view.best = best_eye(outlook.scene, outlook.places, outlook.samples, job);
     if (view.best.status == ExposureStatus::done)
         add_two_eyes_and_instruments(view.best, outlook.scene, outlook.geometry, outlook.samples, job);
+    if (view.best.status == ExposureStatus::done)
+        add_reach(view.best, outlook.scene, outlook.geometry, outlook.samples, job);
     view.exposure = measure_exposure(outlook.scene, cone, kTargetSamples, job);
     view.working_distance_mm = working_distance_mm(outlook.geometry, outlook.scene.target(), cone.aim, cone.axis)
                                    .value_or((outlook.geometry.centre - cone.aim).norm());

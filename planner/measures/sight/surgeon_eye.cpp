@@ -2,6 +2,7 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
+#include "planner/measures/sight/instruments.h"
 
 #include <Eigen/Geometry>
 
@@ -250,13 +251,6 @@ SurgeonEye best_eye(
 
 namespace {
 
-    /// A unit vector across a line, which turns with the patient.
-    Vec3 across_of(const Vec3& line, const OpeningGeometry& opening)
-    {
-        const Vec3 across = line.cross(opening.along), other = line.cross(opening.normal);
-        return (across.squaredNorm() > other.squaredNorm() ? across : other).normalized();
-    }
-
     /// The number of samples that two eyes see round a place, by the best of several turns of the head.
     std::size_t seen_by_two_eyes(const RayScene& scene, const SurgeonEye& best, const OpeningGeometry& opening,
         const std::vector<SurfaceSample>& samples, const std::vector<std::size_t>& seen)
@@ -277,54 +271,6 @@ namespace {
         return most;
     }
 
-    /// Whether a straight shaft fits: its axis from the place on the target outwards, and its surface beyond the tip.
-    bool shaft_fits(const RayScene& scene, const OpeningGeometry& opening, const Vec3& place, const Vec3& outward)
-    {
-        constexpr double kLengthMm = 300.0; // ours: a long instrument's shaft
-        constexpr double kTipMm = 10.0; // the tip tapers
-        constexpr int kRays = 6; // on the shaft's surface
-        if (!scene.clear(place, outward, kTouchingMm, kLengthMm, kEverything))
-            return false;
-        const Vec3 u = across_of(outward, opening), v = outward.cross(u);
-        for (int i = 0; i < kRays; ++i) {
-            const double angle = 2.0 * std::numbers::pi * i / kRays;
-            const Vec3 from = place + 0.5 * kShaftMm * (std::cos(angle) * u + std::sin(angle) * v);
-            if (!scene.clear(from, outward, kTipMm, kLengthMm, kEverything))
-                return false;
-        }
-        return true;
-    }
-
-    /// Places in the opening through which shafts are tried.
-    std::vector<Vec3> shaft_gates(const OpeningGeometry& opening)
-    {
-        constexpr int kAlong = 17, kAcross = 7;
-        const Vec3 across = opening.normal.cross(opening.along);
-        std::vector<Vec3> gates;
-        for (int i = 0; i < kAlong; ++i)
-            for (int j = 0; j < kAcross; ++j)
-                gates.push_back(opening.centre + opening.length_mm * ((i + 0.5) / kAlong - 0.5) * opening.along
-                    + opening.width_mm * ((j + 0.5) / kAcross - 0.5) * across);
-        return gates;
-    }
-
-    bool two_shafts_reach(
-        const RayScene& scene, const OpeningGeometry& opening, const std::vector<Vec3>& gates, const Vec3& place)
-    {
-        const double apart = std::cos(kShaftsApartDeg * kDegree);
-        std::vector<Vec3> shafts;
-        for (const Vec3& gate : gates) {
-            const Vec3 outward = (gate - place).normalized();
-            if (!shaft_fits(scene, opening, place, outward))
-                continue;
-            if (std::any_of(
-                    shafts.begin(), shafts.end(), [&](const Vec3& other) { return other.dot(outward) < apart; }))
-                return true;
-            shafts.push_back(outward);
-        }
-        return false;
-    }
-
 } // namespace
 
 void add_two_eyes_and_instruments(SurgeonEye& best, const RayScene& scene, const OpeningGeometry& opening,
@@ -336,17 +282,26 @@ void add_two_eyes_and_instruments(SurgeonEye& best, const RayScene& scene, const
     const double bound = best.bound_area_mm2 / scene.target_area_mm2() * static_cast<double>(samples.size());
     best.two_eyes_fraction
         = static_cast<double>(seen_by_two_eyes(scene, best, opening, samples, sight.samples)) / bound;
-    const std::vector<Vec3> gates = shaft_gates(opening);
-    std::size_t reached = 0;
-    for (std::size_t i = 0; i < sight.samples.size(); ++i) {
-        if (job.cancelled()) {
-            best.status = ExposureStatus::cancelled;
-            return;
-        }
-        reached += two_shafts_reach(scene, opening, gates, samples[sight.samples[i]].position) ? 1 : 0;
-        job.report("instruments", static_cast<double>(i + 1) / static_cast<double>(sight.samples.size()));
+    const std::size_t reached = count_reached_by_two(scene, opening, samples, sight.samples, job);
+    if (job.cancelled()) {
+        best.status = ExposureStatus::cancelled;
+        return;
     }
     best.two_instruments_fraction = static_cast<double>(reached) / bound;
+}
+
+void add_reach(SurgeonEye& best, const RayScene& scene, const OpeningGeometry& opening,
+    const std::vector<SurfaceSample>& samples, const Job& job)
+{
+    const FingerReach finger = finger_reach(scene, opening, samples, job);
+    best.finger_lacks_mm = finger.lacks_mm;
+    if (best.bound_area_mm2 > 0.0)
+        best.finger_fraction = std::min(1.0,
+            static_cast<double>(finger.touched) / static_cast<double>(samples.size()) * scene.target_area_mm2()
+                / best.bound_area_mm2);
+    best.freedom_mm2 = surgical_freedom_mm2(scene, opening, best.aim);
+    if (job.cancelled())
+        best.status = ExposureStatus::cancelled;
 }
 
 } // namespace retractor::planner

@@ -9,6 +9,7 @@
 #include "planner/measures/sight/exposure.h"
 #include "planner/wall/field_geometry.h"
 
+#include <optional>
 #include <vector>
 
 namespace retractor::planner {
@@ -17,8 +18,6 @@ namespace retractor::planner {
 inline constexpr double kLargestIncidenceDeg = 60.0;
 /// Distance of the pupils, mm: the mean of adults is 63 to 65 [Dodgson 2004, doi 10.1117/12.529999].
 inline constexpr double kEyesApartMm = 64.0;
-/// Diameter of an instrument's shaft, and the angle that two shafts need between them at their tips (ours).
-inline constexpr double kShaftMm = 8.0, kShaftsApartDeg = 15.0;
 
 /// Where an eye may be: in the cone's directions from its aim, between two distances.
 struct EyePlaces {
@@ -39,9 +38,12 @@ struct SurgeonEye {
     /// Seen by two eyes round this place, with light from between them; the better of several turns of the head.
     double two_eyes_fraction = 0.0;
     double two_instruments_fraction = 0.0; ///< seen, and within reach of two shafts at once
+    double finger_fraction = 0.0; ///< touched by a finger, seen or not; at most 1
+    std::optional<double> finger_lacks_mm {}; ///< FingerReach::lacks_mm
+    double freedom_mm2 = 0.0; ///< surgical_freedom_mm2() at `aim`
     /// What hides the target first from here: shares of what the target alone would show at this incidence. Largest
     /// first.
-    std::vector<SightShare> hidden_by;
+    std::vector<SightShare> hidden_by {};
 };
 
 /// Where to look on the target: the middle of what is seen from the middle of the opening with the wall removed, or of
@@ -57,6 +59,10 @@ SurgeonEye best_eye(
 
 /// Adds what two eyes see round the best place, and what two instruments reach through the opening.
 void add_two_eyes_and_instruments(SurgeonEye& best, const RayScene& scene, const OpeningGeometry& opening,
+    const std::vector<SurfaceSample>& samples, const Job& job = {});
+
+/// Adds what a finger touches through the opening, and the freedom of an instrument at the aim.
+void add_reach(SurgeonEye& best, const RayScene& scene, const OpeningGeometry& opening,
     const std::vector<SurfaceSample>& samples, const Job& job = {});
 
 } // namespace retractor::planner

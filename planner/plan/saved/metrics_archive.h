@@ -71,7 +71,7 @@ RETRACTOR_ARCHIVE(HookSpec, name, side, along_mm, depth_mm, patch_width_mm, patc
     pull, hold, bearing, bears_on)
 RETRACTOR_ARCHIVE(RetractorSpec, kind, opening_mm, force_N, along_mm, blade_width_mm, blade_depth_mm, play_deg,
     greatest_opening_mm, hold)
-RETRACTOR_ARCHIVE(TargetSpec, label, centre, radius_mm, site)
+RETRACTOR_ARCHIVE(TargetSpec, label, centre, radius_mm, site, normal)
 RETRACTOR_ARCHIVE(ViewSpec, eye_distance_mm, half_angle_deg, eye_count)
 RETRACTOR_ARCHIVE(AblationSpec, label, from_mm, to_mm, along_from_mm, along_to_mm, centre, radius_mm)
 RETRACTOR_ARCHIVE(Approach, name, template_name, incision, directions, depth_mm, wall_thickness_mm, hook_depth_mm,
@@ -87,7 +87,7 @@ RETRACTOR_ARCHIVE(OpeningGeometry, area_mm2, overlap_area_mm2, width_mm, length_
     along, start, end)
 RETRACTOR_ARCHIVE(SightShare, name, share)
 RETRACTOR_ARCHIVE(SurgeonEye, status, eye, aim, seen_fraction, bound_area_mm2, picture_share, incidence_deg,
-    two_eyes_fraction, two_instruments_fraction, hidden_by)
+    two_eyes_fraction, two_instruments_fraction, finger_fraction, finger_lacks_mm, freedom_mm2, hidden_by)
 RETRACTOR_ARCHIVE(SightBlocker, name, share, bone)
 RETRACTOR_ARCHIVE(RiskDistance, name, distance_mm, at, from)
 RETRACTOR_ARCHIVE(HookForce, name, side, force_N, pushes, moved_mm, asked_mm, pull, yielded, bears_on)
@@ -125,8 +125,10 @@ RETRACTOR_ARCHIVE(LipDeviation, side, largest_mm, mean_mm, at_mm, from_mm, to_mm
 RETRACTOR_ARCHIVE(UninjuredOpening, message, opening_mm, bone, utilisation, hook_force_N, solves, seconds)
 RETRACTOR_ARCHIVE(BestEye, at, aim, distance_mm, incidence_deg, bound_area_mm2, hidden_by)
 RETRACTOR_ARCHIVE(ShiftedSight, shift_mm, seen_best_eye)
+RETRACTOR_ARCHIVE(AnnulusAccess, message, centre, normal, given, diameter_mm, opening_off_axis_deg, sight_off_axis_deg,
+    distance_mm)
 RETRACTOR_ARCHIVE(FieldMetrics, name, target, target_spec, seen_best_eye, seen_two_eyes, reached_by_two_instruments,
-    best_eye_picture, best_eye_pixels, best_eye, access_horizontal_deg, access_vertical_deg, coaxiality_deg,
+    reached_by_finger, finger_lacks_mm, surgical_freedom_mm2, best_eye_picture, best_eye_pixels, best_eye, annulus, access_horizontal_deg, access_vertical_deg, coaxiality_deg,
     visible_fraction, visible_fraction_mean_eye, visible_fraction_central_eye, visible_fraction_wall_removed,
     eye_distance_mm, cone_half_angle_deg, eyes, target_samples, blockers, bone_in_sight, if_organs_shift, estimated,
     steel_at_risk, at_risk, retracted, opening_area_mm2, opening_width_mm, working_distance_mm, opening_solid_angle_sr,

@@ -201,7 +201,7 @@ namespace {
                                   "sternum-across (the sternum from the incision's lower end to its right edge, its "
                                   "left edge or both)")
                           + (both ? "; both adds two approaches, NAME and NAME_skin, whose forces and openings the "
-                                    "report compares. Default: full for templates between ribs, else skin"
+                                    "report compares. Default: the template's own; with points skin"
                                   : ""))
                   ->check(CLI::IsMember(extents));
         command
@@ -466,7 +466,8 @@ namespace {
         add_command
             ->add_option("--target", options->target,
                 "Target to see: a label; a site on one, SITE:LABEL:x,y,z,r, such as "
-                "\"anastomosis site:heart:31,-20,140,8\"; or a sphere x,y,z,r (mm, patient LPS)")
+                "\"anastomosis site:heart:31,-20,140,8\", where a valve's annulus may add the normal of its plane, "
+                "annulus:LABEL:x,y,z,r,nx,ny,nz; or a sphere x,y,z,r (mm, patient LPS)")
             ->required();
         add_command->add_option("--name", options->name, "Name of the approach (default: the template's)");
         add_command->add_option("--length", options->length_mm, "Length of the incision, mm (default: the template's)")

@@ -63,8 +63,13 @@ planner::TargetSpec parse_target(const std::string& text)
             throw InputError("give LABEL, SITE:LABEL:X,Y,Z,RADIUS or X,Y,Z,RADIUS", "--target " + text);
         numbers = text.substr(colon + 1);
     }
-    const std::vector<double> n = parse_numbers(numbers, 4, "--target");
-    RETRACTOR_ASSERT(n.size() == 4);
+    constexpr std::size_t kSphere = 4, kSphereAndNormal = 7;
+    const bool has_normal = target.is_site()
+        && static_cast<std::size_t>(std::ranges::count(numbers, ',')) + 1 == kSphereAndNormal;
+    const std::vector<double> n = parse_numbers(numbers, has_normal ? kSphereAndNormal : kSphere, "--target");
+    RETRACTOR_ASSERT(n.size() >= kSphere);
+    if (has_normal)
+        target.normal = Vec3(n[4], n[5], n[6]);
     target.centre = { n[0], n[1], n[2] };
     target.radius_mm = n[3];
     if (!(target.radius_mm > 0.0))

@@ -520,6 +520,16 @@ Case write_import(const ImportedCase& imported, const fs::path& case_file)
     return made;
 }
 
+Case write_corrected_labels(Case planned_case, const mesh::LabelVolume& labels)
+{
+    planned_case.label_table = labels.table;
+    check_case(planned_case);
+    const Staging staging(planned_case.folder);
+    planned_case.labels = store_labels(labels, planned_case.folder, staging);
+    write_case(planned_case);
+    return planned_case;
+}
+
 std::vector<LabelSize> label_sizes(const mesh::LabelVolume& labels)
 {
     const std::vector<std::size_t> counts = voxel_counts(labels);

@@ -66,6 +66,13 @@ void check_case_file_name(const std::filesystem::path& case_file);
 /// @throws InputError as check_case_file_name() does too; IoError
 Case write_import(const ImportedCase& imported, const std::filesystem::path& case_file);
 
+/// Writes corrected labels beside the labels of a case, whose file stays, and then the case, which names the new file.
+/// The case takes over the table of the labels; its other content stays as it is.
+/// @returns the case as written
+/// @throws InputError when the corrected case is not valid (check_case()): a label that an approach names is missing;
+/// IoError. The case on disk is then as before.
+Case write_corrected_labels(Case planned_case, const mesh::LabelVolume& labels);
+
 /// A warning when the images lie in the case folder and still name the patient there; otherwise nothing.
 std::optional<std::string> identity_warning(const std::filesystem::path& ct, const std::filesystem::path& case_file);
 

@@ -7,6 +7,8 @@ namespace retractor::ui::cli {
 
 void add_phantom_command(Commands& commands);
 void add_import_command(Commands& commands);
+/// Adds `labels`: lists and corrects labels.
+void add_label_commands(Commands& commands);
 void add_approach_commands(Commands& commands);
 void add_hooks_command(Commands& commands);
 void add_tension_command(Commands& commands);

@@ -10,6 +10,7 @@ void add_commands(retractor::ui::cli::Commands& commands)
     add_demo_command(commands);
     add_phantom_command(commands);
     add_import_command(commands);
+    add_label_commands(commands);
     add_approach_commands(commands);
     add_hooks_command(commands);
     add_tension_command(commands);

@@ -1,0 +1,23 @@
+#pragma once
+// Renames and joins labels in everything that a case says of them, and confirms labels that were estimated.
+
+#include "planner/case/case.h"
+
+#include <string>
+
+namespace retractor::planner {
+
+/// Gives a label another name: in the table, the marks, the supports, the pressures and the approaches.
+/// @throws InputError when there is no such label, or when the new name is taken or empty; the case is then unchanged
+void rename_label(Case& planned_case, const std::string& name, const std::string& new_name);
+
+/// Takes a label out of the table, and lets the other one stand wherever it was named. The voxels are joined by
+/// datasets::joined().
+/// @throws InputError when one of the labels is missing, or both are the same; the case is then unchanged
+void join_label(Case& planned_case, const std::string& name, const std::string& into);
+
+/// Somebody has looked at an estimated label and found it right, or made it right.
+/// @throws InputError when there is no such label, or when it is not estimated
+void confirm_label(Case& planned_case, const std::string& name);
+
+} // namespace retractor::planner

@@ -1,0 +1,170 @@
+#include "planner/case/label_session.h"
+
+#include "mesh/base/assert.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
+#include "planner/case/label_correction.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace retractor::planner {
+
+namespace {
+
+    /// What corrections change, and what they refer to; images stay out.
+    Case names_of(const Case& planned_case)
+    {
+        Case names;
+        names.label_table = planned_case.label_table;
+        names.estimated_labels = planned_case.estimated_labels;
+        names.supports = planned_case.supports;
+        names.pressures = planned_case.pressures;
+        names.approaches = planned_case.approaches;
+        return names;
+    }
+
+    void add_to_table(mesh::LabelTable& table, const mesh::LabelInfo& info)
+    {
+        if (info.name.empty())
+            throw InputError("a label needs a name");
+        if (mesh::find_label(table, info.name) != nullptr)
+            throw InputError("there is a label \"" + info.name + "\" already");
+        table.push_back(info);
+    }
+
+} // namespace
+
+LabelSession::LabelSession(const Case& planned_case, const std::shared_ptr<const mesh::LabelVolume>& labels)
+    : labels_(std::make_shared<mesh::LabelVolume>(*labels))
+    , names_(names_of(planned_case))
+{
+}
+
+bool LabelSession::is_estimated(const std::string& name) const { return planner::is_estimated(names_, name); }
+
+mesh::LabelVolume& LabelSession::writable()
+{
+    if (labels_.use_count() > 1) // a picture holds it
+        labels_ = std::make_shared<mesh::LabelVolume>(*labels_);
+    return *labels_;
+}
+
+void LabelSession::take(Step step)
+{
+    undone_.clear();
+    done_.push_back(std::move(step));
+}
+
+bool LabelSession::edit(const MakeEdit& make, bool goes_on)
+{
+    datasets::LabelEdit made = make(*labels_);
+    if (made.empty())
+        return false;
+    datasets::make_edit(writable(), made);
+    if (goes_on && !done_.empty() && undone_.empty() && done_.back().what == made.what) {
+        done_.back().edits.push_back(std::move(made));
+        return true;
+    }
+    Step step { .what = made.what };
+    step.edits.push_back(std::move(made));
+    take(std::move(step));
+    return true;
+}
+
+void LabelSession::correct(
+    std::string what, std::function<void(Case&)> correct, std::optional<datasets::LabelEdit> edit)
+{
+    Step step { .what = std::move(what), .edits = {}, .correct = std::move(correct), .before = names_ };
+    Case after = names_;
+    step.correct(after);
+    step.after = after;
+    if (edit && !edit->empty())
+        step.edits.push_back(std::move(*edit));
+    move(step, true);
+    take(std::move(step));
+}
+
+void LabelSession::join(const std::string& name, const std::string& into)
+{
+    Case tried = names_;
+    join_label(tried, name, into); // refuses before voxels are looked for
+    correct("join " + readable(name) + " with " + readable(into),
+        [name, into](Case& planned_case) { join_label(planned_case, name, into); },
+        datasets::joined(*labels_, mesh::label_named(table(), name).id, mesh::label_named(table(), into).id));
+}
+
+void LabelSession::rename(const std::string& name, const std::string& new_name)
+{
+    correct("rename " + readable(name),
+        [name, new_name](Case& planned_case) { rename_label(planned_case, name, new_name); });
+}
+
+void LabelSession::confirm(const std::string& name)
+{
+    correct("confirm " + readable(name), [name](Case& planned_case) { confirm_label(planned_case, name); });
+}
+
+void LabelSession::add_label(const std::string& name, const std::string& material, mesh::Role role)
+{
+    Label id = 0;
+    for (const mesh::LabelInfo& info : table())
+        id = std::max(id, info.id);
+    if (id == std::numeric_limits<Label>::max())
+        throw InputError("no label id is left");
+    const mesh::LabelInfo info { static_cast<Label>(id + 1), name, material, role };
+    correct("add " + readable(name), [info](Case& planned_case) { add_to_table(planned_case.label_table, info); });
+}
+
+std::optional<std::string> LabelSession::to_undo() const
+{
+    return done_.empty() ? std::nullopt : std::optional(done_.back().what);
+}
+
+std::optional<std::string> LabelSession::to_redo() const
+{
+    return undone_.empty() ? std::nullopt : std::optional(undone_.back().what);
+}
+
+void LabelSession::move(Step& step, bool make_again)
+{
+    mesh::LabelVolume& labels = writable();
+    if (make_again)
+        for (const datasets::LabelEdit& edit : step.edits)
+            datasets::make_edit(labels, edit);
+    else
+        for (auto edit = step.edits.rbegin(); edit != step.edits.rend(); ++edit)
+            datasets::take_back(labels, *edit);
+    if (step.correct) {
+        names_ = make_again ? step.after : step.before;
+        labels.table = names_.label_table;
+    }
+}
+
+void LabelSession::undo()
+{
+    RETRACTOR_ASSERT(!done_.empty());
+    move(done_.back(), false);
+    undone_.push_back(std::move(done_.back()));
+    done_.pop_back();
+}
+
+void LabelSession::redo()
+{
+    RETRACTOR_ASSERT(!undone_.empty());
+    move(undone_.back(), true);
+    done_.push_back(std::move(undone_.back()));
+    undone_.pop_back();
+}
+
+Case LabelSession::corrected(Case planned_case) const
+{
+    for (const Step& step : done_)
+        if (step.correct)
+            step.correct(planned_case);
+    planned_case.label_table = table();
+    return planned_case;
+}
+
+} // namespace retractor::planner

@@ -1,0 +1,72 @@
+#pragma once
+// Labels of a case under correction, with undo: edits of voxels, and changes of names and marks. The case on disk stays
+// until its owner writes labels() and corrected() (write_corrected_labels()); another session begins then. Used from one thread; what labels() has handed out stays unchanged. Units mm; frame patient LPS.
+
+#include "datasets/labels/label_edit.h"
+#include "mesh/image/volume.h"
+#include "planner/case/case.h"
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace retractor::planner {
+
+class LabelSession {
+public:
+    /// @param labels as Patient::labels() reads them
+    LabelSession(const Case& planned_case, const std::shared_ptr<const mesh::LabelVolume>& labels);
+
+    /// With the present voxels and names.
+    std::shared_ptr<const mesh::LabelVolume> labels() const { return labels_; }
+    const mesh::LabelTable& table() const { return labels_->table; }
+    bool is_estimated(const std::string& name) const;
+
+    using MakeEdit = std::function<datasets::LabelEdit(const mesh::LabelVolume&)>;
+    /// Makes an edit. @param goes_on whether the edit belongs to the last step, as the parts of a stroke do
+    /// @returns whether a voxel changed
+    /// @throws what `make` throws; nothing changes then
+    bool edit(const MakeEdit& make, bool goes_on = false);
+    /// As join_label(), rename_label() and confirm_label() of the case, with the voxels.
+    /// @throws InputError as they do; nothing changes then
+    void join(const std::string& name, const std::string& into);
+    void rename(const std::string& name, const std::string& new_name);
+    void confirm(const std::string& name);
+    /// Adds a label without voxels, to be painted. @throws InputError when the name is empty or taken, or when there is
+    /// no id left
+    void add_label(const std::string& name, const std::string& material, mesh::Role role);
+
+    /// The step that undo() or redo() would take back or make again, in words; nothing: there is none.
+    std::optional<std::string> to_undo() const;
+    std::optional<std::string> to_redo() const;
+    void undo();
+    void redo();
+    /// Whether the labels differ from those of the case.
+    bool changed() const { return !done_.empty(); }
+
+    /// The corrections of names and marks for another state of the same case, whose approaches may have changed.
+    /// @throws InputError when they contradict the approaches that the case has now
+    Case corrected(Case planned_case) const;
+
+private:
+    struct Step {
+        std::string what;
+        std::vector<datasets::LabelEdit> edits {};
+        std::function<void(Case&)> correct {}; ///< names and marks; empty: the step changes voxels only
+        Case before {}, after {}; ///< where `correct` is set: names and marks alone
+    };
+    mesh::LabelVolume& writable();
+    void take(Step step);
+    /// @param make_again whether a step is made again, or else taken back
+    void move(Step& step, bool make_again);
+    /// A step of names and marks, with the edit of voxels that goes with it.
+    void correct(std::string what, std::function<void(Case&)> correct, std::optional<datasets::LabelEdit> edit = {});
+
+    std::shared_ptr<mesh::LabelVolume> labels_;
+    Case names_; ///< the case, with the corrections made so far
+    std::vector<Step> done_, undone_;
+};
+
+} // namespace retractor::planner

@@ -1,0 +1,128 @@
+#include "planner/case/label_session.h"
+
+#include "mesh/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+namespace retractor::planner {
+namespace label_session_test {
+
+    const mesh::LabelFlags kNothingKept(mesh::kLabelCount, 0);
+
+    std::shared_ptr<const mesh::LabelVolume> image()
+    {
+        auto labels = std::make_shared<mesh::LabelVolume>();
+        labels->grid.size = { 20, 20, 20 };
+        labels->table = { { 1, "muscle", "muscle", mesh::Role::wall }, { 2, "rib_left_4", "bone", mesh::Role::wall },
+            { 3, "rib_left_5", "bone", mesh::Role::wall } };
+        labels->voxels.assign(labels->grid.voxel_count(), 1);
+        for (int i = 0; i < 20; ++i) {
+            labels->voxels[labels->grid.offset(i, 5, 5)] = 2;
+            labels->voxels[labels->grid.offset(i, 15, 5)] = 3;
+        }
+        return labels;
+    }
+
+    Case planned()
+    {
+        Case c;
+        c.label_table = image()->table;
+        c.estimated_labels = { "rib_left_5" };
+        Approach approach;
+        approach.name = "one";
+        approach.uncut_labels = { "rib_left_4", "rib_left_5" };
+        c.approaches = { approach };
+        return c;
+    }
+
+    LabelSession::MakeEdit ball(double x, Label with)
+    {
+        return [=](const mesh::LabelVolume& labels) {
+            return datasets::painted(labels, { .path = { Vec3(x, 10, 10) }, .radius_mm = 2.0 }, with, kNothingKept);
+        };
+    }
+
+    TEST(LabelSession, StepsAreTakenBackAndMadeAgain)
+    {
+        LabelSession session(planned(), image());
+        EXPECT_FALSE(session.changed());
+        EXPECT_TRUE(session.edit(ball(5, 2)));
+        const auto painted = session.labels()->voxels;
+        session.join("rib_left_4", "rib_left_5");
+        session.rename("rib_left_5", "rib_left_3");
+        const auto renamed = session.labels();
+        EXPECT_EQ(session.to_undo(), "rename rib left 5");
+        EXPECT_EQ(std::ranges::count(renamed->voxels, 2), 0);
+        EXPECT_NE(mesh::find_label(session.table(), "rib_left_3"), nullptr);
+        session.undo();
+        session.undo();
+        EXPECT_EQ(session.labels()->voxels, painted);
+        EXPECT_EQ(session.table().size(), 3U);
+        session.undo();
+        EXPECT_EQ(session.labels()->voxels, image()->voxels);
+        EXPECT_FALSE(session.changed());
+        EXPECT_FALSE(session.to_undo());
+        while (session.to_redo())
+            session.redo();
+        EXPECT_EQ(session.labels()->voxels, renamed->voxels);
+        EXPECT_NE(mesh::find_label(session.table(), "rib_left_3"), nullptr);
+    }
+
+    TEST(LabelSession, AStrokeIsOneStep)
+    {
+        LabelSession session(planned(), image());
+        session.edit(ball(4, 2));
+        session.edit(ball(8, 2), true);
+        session.edit(ball(12, 2), true);
+        session.edit(ball(12, 3)); // another stroke
+        session.undo();
+        session.undo();
+        EXPECT_EQ(session.labels()->voxels, image()->voxels);
+    }
+
+    TEST(LabelSession, WhatAPictureHoldsStaysAsItWas)
+    {
+        LabelSession session(planned(), image());
+        const auto held = session.labels();
+        session.edit(ball(5, 2));
+        EXPECT_EQ(held->voxels, image()->voxels);
+        EXPECT_NE(session.labels()->voxels, image()->voxels);
+    }
+
+    TEST(LabelSession, AnEditThatChangesNothingIsNoStep)
+    {
+        LabelSession session(planned(), image());
+        EXPECT_FALSE(session.edit(ball(5, 1)));
+        EXPECT_FALSE(session.changed());
+        EXPECT_THROW(session.edit(ball(5, 99)), InputError);
+        EXPECT_THROW(session.rename("rib_left_4", "rib_left_5"), InputError);
+        EXPECT_THROW(session.join("rib_left_4", "liver"), InputError);
+        EXPECT_THROW(session.add_label("muscle", "muscle", mesh::Role::wall), InputError);
+        EXPECT_FALSE(session.changed());
+    }
+
+    TEST(LabelSession, CorrectsTheCaseAsItIsNow)
+    {
+        LabelSession session(planned(), image());
+        session.rename("rib_left_4", "rib_left_3");
+        session.confirm("rib_left_5");
+        session.add_label("aneurysm", "vessel", mesh::Role::target);
+        EXPECT_FALSE(session.is_estimated("rib_left_5"));
+        Case now = planned(); // meanwhile it has another approach
+        now.approaches.push_back(now.approaches.front());
+        now.approaches.back().name = "two";
+        const Case corrected = session.corrected(now);
+        ASSERT_EQ(corrected.approaches.size(), 2U);
+        for (const Approach& approach : corrected.approaches)
+            EXPECT_EQ(approach.uncut_labels.front(), "rib_left_3");
+        EXPECT_TRUE(corrected.estimated_labels.empty());
+        ASSERT_NE(mesh::find_label(corrected.label_table, "aneurysm"), nullptr);
+        EXPECT_EQ(mesh::find_label(corrected.label_table, "aneurysm")->id, 4);
+    }
+
+} // namespace label_session_test
+} // namespace retractor::planner

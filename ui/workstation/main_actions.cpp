@@ -90,6 +90,8 @@ void MainWindow::make_view_actions(QMenu& menu)
     measure_ = add_action(menu, "Measure", Qt::Key_R, "Measure distances and angles on slices or on the skin",
         [this] { set_measuring(measure_->isChecked()); });
     measure_->setCheckable(true);
+    correct_ = add_action(menu, "Correct labels", Qt::Key_C, "Paint, erase and rename labels on the slices",
+        [this] { correct_labels(); });
 }
 
 void MainWindow::make_approach_actions(QMenu& menu)

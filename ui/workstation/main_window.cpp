@@ -5,9 +5,11 @@
 #include "mesh/base/error.h"
 #include "planner/approach/demo_patient.h"
 #include "planner/case/case_io.h"
+#include "planner/case/import_case.h"
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
 #include "ui/scene/linked_slices.h"
+#include "ui/workstation/labels/label_editor.h"
 #include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/planning/metrics_panel.h"
 #include "ui/workstation/start/case_folder.h"
@@ -85,6 +87,7 @@ MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
     make_start_page();
     make_knife();
     make_editor();
+    make_labels();
     measure_tool_ = std::make_unique<ClickTool>([this](const QPointF& at) { measure_at(at); });
     make_actions();
     make_status_line();
@@ -112,6 +115,9 @@ bool MainWindow::may_leave_case(const QString& question)
     if (model_ && model_->busy()
         && !may_lose(question, "A plan is being calculated. If you close now, the plan ends and its result is lost.",
             "Go on planning"))
+        return false;
+    if (labels_->changed()
+        && !may_lose(question, "The corrected labels are not saved. If you close now, the corrections are lost.", "Go back"))
         return false;
     return not_saved_.empty()
         || may_lose(question,
@@ -172,6 +178,8 @@ void MainWindow::make_panes()
     tabs_->setDocumentMode(true);
     tabs_->addTab(panel_, "Numbers");
     tabs_->addTab(knife_panel_, "Knife");
+    label_panel_ = new LabelPanel;
+    tabs_->addTab(label_panel_, "Labels");
     panes->addWidget(tabs_);
     panes->setHandleWidth(2);
     panes->setChildrenCollapsible(false);
@@ -244,6 +252,65 @@ void MainWindow::make_editor()
     editor_->on_state = [this] { show_all(); };
     editor_->on_message = [this](const QString& text) { show_message(text); };
     editor_->on_failure = [this](const Failure& failure) { show_error(with_controls(failure)); };
+}
+
+void MainWindow::make_labels()
+{
+    labels_ = std::make_unique<LabelEditor>(*view_, *label_panel_, *this);
+    labels_->present_case = [this] { return model_->planned_case(); };
+    labels_->on_labels = [this] {
+        model_->set_corrected_labels(labels_->session()->labels());
+        label_panel_->show_session(labels_->session(), {});
+        if (slices_shown())
+            show_slices();
+        show_undo();
+    };
+    labels_->on_save = [this](const planner::Case& corrected, const std::shared_ptr<const mesh::LabelVolume>& labels) {
+        save_labels(corrected, labels);
+    };
+    labels_->on_message = [this](const QString& text) { show_message(text); };
+    labels_->on_failure = [this](const Failure& failure) { show_error(with_controls(failure)); };
+}
+
+bool MainWindow::labels_tab_open() const { return tabs_->currentWidget() == label_panel_; }
+
+void MainWindow::correct_labels()
+{
+    tabs_->setCurrentWidget(label_panel_);
+    show_all();
+}
+
+void MainWindow::save_labels(const planner::Case& corrected, const std::shared_ptr<const mesh::LabelVolume>& labels)
+{
+    ++saving_;
+    setEnabled(false); // what is edited meanwhile would belong to the labels before
+    show_message("Saving the labels …");
+    saving_executor_.post([this, corrected, labels, generation = generation_](const Job&) {
+        auto saved = std::make_shared<planner::Case>();
+        std::optional<Failure> failure;
+        try {
+            const auto now = time_of(corrected.file());
+            if (case_time_ && now && *now != *case_time_)
+                throw IoError("Another program has changed the case meanwhile.", corrected.file().string());
+            *saved = planner::write_corrected_labels(corrected, *labels);
+            case_time_ = time_of(saved->file());
+        } catch (...) {
+            failure = current_failure();
+        }
+        post_back([this, generation, saved, failure] {
+            --saving_;
+            setEnabled(true);
+            if (generation != generation_)
+                return;
+            if (failure)
+                return show_error(*failure);
+            const std::string chosen = model_->selected() ? model_->approach(*model_->selected()).name : std::string();
+            open(std::move(*saved));
+            if (!chosen.empty())
+                select(chosen);
+            show_message("The labels are saved. Plans are made with them from now on.");
+        });
+    });
 }
 
 void MainWindow::draw_incision()
@@ -373,11 +440,19 @@ void MainWindow::make_knife()
     };
     knife_panel_->on_export = [this] { ask_for_export_file(); };
     connect(tabs_, &QTabWidget::currentChanged, this, [this] {
-        if (knife_tab_open()) {
+        labels_->set_active(false);
+        if (knife_tab_open() || labels_tab_open()) {
             set_measuring(false);
             editor_->abandon();
-        } else
+        }
+        if (!knife_tab_open())
             knife_->set_mode(KnifeMode::away);
+        if (labels_tab_open() && model_) {
+            if (model_->view_available(ViewPreset::slices))
+                model_->set_view(ViewPreset::slices);
+            show_all();
+            labels_->set_active(true);
+        }
         show_all();
     });
 }
@@ -428,7 +503,12 @@ void MainWindow::show_undo()
         action.setEnabled(what.has_value());
     };
     std::optional<std::string> to_undo, to_redo;
-    if (editor_->drawing()) {
+    if (labels_->active()) {
+        if (labels_->session() != nullptr) {
+            to_undo = labels_->session()->to_undo();
+            to_redo = labels_->session()->to_redo();
+        }
+    } else if (editor_->drawing()) {
         if (editor_->tool().can_undo())
             to_undo = "the last change of the points";
     } else if (measuring_) {
@@ -449,7 +529,10 @@ void MainWindow::show_undo()
 
 void MainWindow::undo()
 {
-    if (editor_->drawing()) {
+    if (labels_->active()) {
+        labels_->undo();
+        show_undo();
+    } else if (editor_->drawing()) {
         editor_->undo_point();
         show_undo();
     } else if (measuring_) {
@@ -468,7 +551,10 @@ void MainWindow::undo()
 
 void MainWindow::redo()
 {
-    if (knife_->snapshot() != nullptr) {
+    if (labels_->active()) {
+        labels_->redo();
+        show_undo();
+    } else if (knife_->snapshot() != nullptr) {
         knife_->run(planner::surgery::Redo {});
     } else if (model_ && model_->edit_to_redo() && !editor_->drawing()) {
         const QString what = QString::fromStdString(*model_->edit_to_redo());
@@ -514,6 +600,7 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     editor_->set_case(nullptr, {});
     model_ = std::make_unique<SessionModel>(std::move(planned_case));
     editor_->set_case(model_.get(), backend_);
+    labels_->set_case(model_->planned_case(), backend_.labels);
     saving_executor_.post([this, read_at](const Job&) { case_time_ = read_at; });
     not_saved_.clear();
     if (remembers_) {
@@ -530,6 +617,7 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     clear_error();
     hand_out_work();
     show_all();
+    labels_->set_active(labels_tab_open());
 }
 
 void MainWindow::close_case()
@@ -542,6 +630,7 @@ void MainWindow::close_case()
     cancel_planning();
     knife_->clear();
     editor_->set_case(nullptr, {});
+    labels_->set_case({}, {});
     ++generation_;
     closed_running_ = 0;
     plans_running_ = 0;
@@ -666,6 +755,8 @@ void MainWindow::set_view(ViewPreset view)
 {
     if (!model_ || !model_->view_available(view) || (editor_->drawing() && !is_drawn_on(view)))
         return;
+    if (labels_->active() && view != ViewPreset::slices)
+        tabs_->setCurrentWidget(panel_); // the mouse is the brush's no more
     model_->set_view(view);
     show_all();
 }
@@ -715,7 +806,7 @@ void MainWindow::cancel_planning()
 bool MainWindow::idle() const
 {
     return reading_ == 0 && saving_ == 0 && closed_running_ == 0 && plans_running_ == 0 && knife_->idle()
-        && editor_->idle();
+        && editor_->idle() && labels_->idle();
 }
 
 void MainWindow::hand_out_work()
@@ -864,7 +955,9 @@ void MainWindow::show_actions()
     close_case_->setEnabled(model_ != nullptr);
     palpate_->setEnabled(model_ != nullptr && static_cast<bool>(on_palpable));
     new_approach_->setEnabled(model_ != nullptr);
-    measure_->setEnabled(model_ && shown_.pictures != nullptr && !knife_tab_open() && !editor_->drawing() && !compares);
+    measure_->setEnabled(model_ && shown_.pictures != nullptr && !knife_tab_open() && !labels_tab_open()
+        && !editor_->drawing() && !compares);
+    correct_->setEnabled(model_ && model_->view_available(ViewPreset::slices));
     measure_->setChecked(measuring_);
     draw_->setEnabled(editor_->draw_possible());
     draw_->setChecked(editor_->drawing() && !editor_->moving());

@@ -35,6 +35,8 @@ struct Palpable;
 namespace retractor::ui {
 
 class ApproachList;
+class LabelEditor;
+class LabelPanel;
 class MetricsPanel;
 class PictureView;
 class StartPage;
@@ -92,6 +94,8 @@ public:
     KnifeTool& knife() { return *knife_; }
     KnifePanel& knife_panel() { return *knife_panel_; }
     ApproachEditor& editor() { return *editor_; }
+    LabelEditor& label_editor() { return *labels_; }
+    LabelPanel& label_panel() { return *label_panel_; }
     StartPage& start_page() { return *start_page_; }
     bool start_page_shown() const;
     /// Why the case is not saved, as the banner says it; empty: it is.
@@ -123,7 +127,13 @@ private:
     void make_status_line();
     void make_knife();
     void make_editor();
+    void make_labels();
 
+    bool labels_tab_open() const;
+    /// Gives the mouse to the brush on the slices.
+    void correct_labels();
+    /// Writes corrected labels and the case, and opens the case anew: its pictures and plans are others.
+    void save_labels(const planner::Case& corrected, const std::shared_ptr<const mesh::LabelVolume>& labels);
     void draw_incision();
     void move_incision();
     void undo();
@@ -201,6 +211,7 @@ private:
     PictureView* view_ = nullptr;
     MetricsPanel* panel_ = nullptr;
     KnifePanel* knife_panel_ = nullptr;
+    LabelPanel* label_panel_ = nullptr;
     QTabWidget* tabs_ = nullptr;
     QAction *knife_action_ = nullptr, *line_action_ = nullptr, *hook_action_ = nullptr, *take_out_action_ = nullptr,
             *undo_ = nullptr, *redo_ = nullptr;
@@ -208,7 +219,7 @@ private:
             *site_ = nullptr, *duplicate_ = nullptr, *neighbours_ = nullptr, *remove_ = nullptr, *close_case_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *compare_ = nullptr,
-            *measure_ = nullptr;
+            *measure_ = nullptr, *correct_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
             *palpate_ = nullptr;
     QLabel* message_ = nullptr;
@@ -228,6 +239,7 @@ private:
     SerialExecutor closed_executor_;
     SerialExecutor planning_executor_;
     std::unique_ptr<KnifeTool> knife_;
+    std::unique_ptr<LabelEditor> labels_;
 };
 
 } // namespace retractor::ui

@@ -195,6 +195,8 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
     };
     backend.neighbours
         = [patient](const planner::Approach& approach) { return planner::neighbours_of(*patient, approach); };
+    if (patient->has_ct())
+        backend.labels = [patient] { return patient->labels(); };
     backend.surgery_input = [patient](const planner::Approach& approach, const Job& job) {
         return make_surgery_input(*patient, approach, job);
     };

@@ -8,6 +8,7 @@
 #include "ui/workstation/planning/session_model.h"
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,6 +44,8 @@ struct PlanningBackend {
     std::function<planner::Approach(const planner::Approach&, const std::vector<Vec3>&)> move_incision;
     /// See planner::neighbours_of().
     std::function<std::vector<planner::NeighbourApproach>(const planner::Approach&)> neighbours;
+    /// The labels of the case, to be corrected. Not set: there is no CT on which they could be.
+    std::function<std::shared_ptr<const mesh::LabelVolume>()> labels {};
     /// The wall round the approach's incision, uncut, for the knife. The function throws when there is no wall.
     std::function<SurgeryInput(const planner::Approach&, const Job&)> surgery_input;
 };

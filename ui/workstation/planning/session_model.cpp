@@ -1,8 +1,10 @@
 #include "ui/workstation/planning/session_model.h"
 
 #include "mesh/base/assert.h"
+#include "mesh/base/text_format.h"
 #include "planner/approach/approach_draft.h"
 #include "planner/measures/comparison.h"
+#include "ui/scene/label_colors.h"
 #include "ui/scene/linked_slices.h"
 
 #include <algorithm>
@@ -55,6 +57,27 @@ namespace {
             walked += step;
         }
         return { approach.incision.back(), approach.directions.back().normalized() };
+    }
+
+    /// Slices that show other labels, each in its own colour.
+    std::vector<Scene> with_labels(std::vector<Scene> scenes, const std::shared_ptr<const mesh::LabelVolume>& labels)
+    {
+        constexpr double kStrongFill = 0.35;
+        for (Scene& scene : scenes)
+            for (SliceItem& slice : scene.slices) {
+                slice.labels = labels;
+                slice.outline_of_label = label_colors(labels->table);
+                slice.fill = kStrongFill;
+            }
+        return scenes;
+    }
+
+    std::map<Label, std::string> names_of(const mesh::LabelTable& table)
+    {
+        std::map<Label, std::string> names;
+        for (const mesh::LabelInfo& info : table)
+            names[info.id] = readable(info.name);
+        return names;
     }
 
 } // namespace
@@ -405,7 +428,9 @@ std::vector<Scene> SessionModel::unmeasured_scenes() const
     const Scene& overview = source.opened ? state.field->overview : state.closed->patient;
     std::vector<Scene> scenes;
     if (view_ == ViewPreset::slices && state.closed != nullptr && !state.closed->slices.empty()) {
-        scenes = slices_at(state.closed->slices, *slice_place(), state.closed->label_names);
+        scenes = corrected_ != nullptr
+            ? slices_at(with_labels(state.closed->slices, corrected_), *slice_place(), names_of(corrected_->table))
+            : slices_at(state.closed->slices, *slice_place(), state.closed->label_names);
     } else if (shown_view() == ViewPreset::incision && state.closed != nullptr) {
         scenes = state.closed->incision_slices;
     }

@@ -185,6 +185,9 @@ public:
     /// @param field nothing: there is no saved plan
     void saved_done(std::optional<FieldPictures> field);
 
+    /// The slices show these labels, each in its own colour. Null: those that they were made with.
+    void set_corrected_labels(std::shared_ptr<const mesh::LabelVolume> labels) { corrected_ = std::move(labels); }
+
     /// @param index of kGreyWindows, for the slices of all approaches
     void set_grey_window(std::size_t index);
     std::size_t grey_window() const { return grey_window_; }
@@ -234,6 +237,7 @@ private:
     ViewPreset view_ = ViewPreset::surgeon;
     bool show_opened_ = true;
     std::size_t grey_window_ = 0;
+    std::shared_ptr<const mesh::LabelVolume> corrected_;
     std::vector<Measurement> measurements_;
     std::deque<std::size_t> waiting_; ///< ids
     std::optional<std::size_t> planning_, making_closed_, reading_saved_; ///< ids

@@ -385,6 +385,12 @@ std::optional<std::size_t> PictureView::slice_at(const QPointF& at) const
     return std::nullopt;
 }
 
+std::optional<SlicePlane> PictureView::slice_plane_at(const QPointF& at) const
+{
+    const auto index = slice_at(at);
+    return index ? std::optional((*scenes_)[*index].slices.front().plane) : std::nullopt;
+}
+
 void PictureView::want_point(const Vec3& point)
 {
     wanted_point_ = point;

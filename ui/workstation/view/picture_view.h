@@ -92,6 +92,8 @@ public:
     planner::Ray ray_at(const QPointF& at) const;
     /// The place in the patient under a point of the widget that shows a slice; nothing elsewhere.
     std::optional<Vec3> slice_place_at(const QPointF& at) const;
+    /// The plane of the patient that a point of the widget shows; nothing elsewhere.
+    std::optional<SlicePlane> slice_plane_at(const QPointF& at) const;
     /// The point of the widget at which the first scene shows a place; nothing behind the eye. @pre as ray_at()
     std::optional<QPointF> shown_at(const Vec3& place) const;
 

@@ -1,0 +1,232 @@
+// Labels corrected in the window, by mouse and keyboard events, on a case on disk.
+
+#include "tests/support/temporary_folder.h"
+#include "tests/support/window_help.h"
+
+#include "datasets/io/volume_io.h"
+#include "planner/case/case_io.h"
+#include "planner/case/import_case.h"
+#include "planner/case/patient.h"
+#include "ui/workstation/labels/label_editor.h"
+#include "ui/workstation/main_window.h"
+#include "ui/workstation/planning/planning_backend.h"
+#include "ui/workstation/view/picture_view.h"
+
+#include <gtest/gtest.h>
+
+#include <QAbstractButton>
+#include <QApplication>
+#include <QListWidget>
+#include <QMessageBox>
+#include <QPushButton>
+#include <QSlider>
+#include <QTest>
+#include <QTimer>
+#include <QWheelEvent>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace retractor::ui {
+namespace label_window_test {
+
+    constexpr Label kMuscle = 1, kVessel = 2;
+
+    /// A block of muscle with a vessel along the body, in a CT of 2 mm.
+    planner::Case block_case(const std::filesystem::path& folder)
+    {
+        planner::ImportedCase imported;
+        auto ct = std::make_shared<mesh::Volume>();
+        auto labels = std::make_shared<mesh::LabelVolume>();
+        ct->grid.size = labels->grid.size = { 50, 40, 45 };
+        ct->grid.spacing = labels->grid.spacing = Vec3(2.0, 2.0, 2.0);
+        labels->table = { { kMuscle, "muscle", "muscle", mesh::Role::wall },
+            { kVessel, "aneurysm", "vessel", mesh::Role::target } };
+        ct->voxels.assign(ct->grid.voxel_count(), 50);
+        labels->voxels.assign(labels->grid.voxel_count(), kMuscle);
+        for (int k = 0; k < 45; ++k)
+            for (int j = 16; j < 24; ++j)
+                for (int i = 20; i < 30; ++i) {
+                    ct->voxels[ct->grid.offset(i, j, k)] = 300;
+                    labels->voxels[labels->grid.offset(i, j, k)] = kVessel;
+                }
+        imported.ct = ct;
+        imported.labels = labels;
+        imported.structures = { { .name = "aneurysm", .volume_ml = 1.0, .rough = true, .how = "guessed" } };
+        return planner::write_import(imported, folder / "case.json");
+    }
+
+    class LabelWindowTest : public testing::Test {
+    protected:
+        void open_labels()
+        {
+            test_support::show_window(window_);
+            window_.open(block_case(folder_.path));
+            test_support::wait_until_idle(window_);
+            QTest::keyClick(&window_, Qt::Key_C);
+            test_support::wait_until_idle(window_);
+            ASSERT_NE(session(), nullptr) << window_.error_line();
+        }
+        const planner::LabelSession* session() { return window_.label_editor().session(); }
+        std::size_t voxels(Label label) { return count(*session()->labels(), label); }
+        static std::size_t count(const mesh::LabelVolume& labels, Label label)
+        {
+            return static_cast<std::size_t>(std::ranges::count(labels.voxels, label));
+        }
+        /// A point of the picture: fractions of its width and height from the upper left corner. The axial slice is
+        /// the first of four.
+        QPoint at(double across, double down)
+        {
+            return { static_cast<int>(across * window_.view().width()), static_cast<int>(down * window_.view().height()) };
+        }
+        void drag(const QPoint& from, const QPoint& to)
+        {
+            QWidget* view = &window_.view();
+            QTest::mousePress(view, Qt::LeftButton, {}, from);
+            for (int step = 1; step <= 4; ++step) {
+                const QPoint place = from + (to - from) * step / 4;
+                QMouseEvent move(QEvent::MouseMove, place, view->mapToGlobal(place), Qt::NoButton, Qt::LeftButton, {});
+                QApplication::sendEvent(view, &move);
+            }
+            QTest::mouseRelease(view, Qt::LeftButton, {}, to);
+            test_support::wait_until_idle(window_);
+        }
+        QAbstractButton* tool(const QString& text)
+        {
+            for (QAbstractButton* button : window_.label_panel().findChildren<QAbstractButton*>())
+                if (button->text() == text)
+                    return button;
+            return nullptr;
+        }
+        void press(LabelPanel::Action action)
+        {
+            QTest::mouseClick(&window_.label_panel().button(action), Qt::LeftButton);
+            test_support::wait_until_idle(window_);
+        }
+
+        test_support::TemporaryFolder folder_;
+        MainWindow window_ { [](const planner::Case& planned_case) { return make_planning_backend(planned_case); } };
+    };
+
+    TEST_F(LabelWindowTest, ADragPaintsOneStepAndUndoTakesItBack)
+    {
+        open_labels();
+        EXPECT_EQ(window_.model()->view(), ViewPreset::slices);
+        EXPECT_EQ(window_.label_panel().list().count(), 2);
+        window_.label_panel().choose("aneurysm");
+        const std::size_t before = voxels(kVessel);
+        drag(at(0.15, 0.2), at(0.3, 0.2));
+        EXPECT_GT(voxels(kVessel), before + 20) << window_.message_line();
+        EXPECT_TRUE(window_.label_editor().changed());
+        const std::size_t painted = voxels(kVessel);
+        QTest::keyClick(&window_, Qt::Key_Z, Qt::ControlModifier);
+        EXPECT_EQ(voxels(kVessel), before);
+        QTest::keyClick(&window_, Qt::Key_Z, Qt::ControlModifier | Qt::ShiftModifier);
+        EXPECT_EQ(voxels(kVessel), painted);
+        const char* pictures = std::getenv("RETRACTOR_PICTURES");
+        window_.save_screenshot(
+            (pictures != nullptr ? std::filesystem::path(pictures) : folder_.path) / "window-labels.png");
+        // The slices show what was painted.
+        EXPECT_EQ(window_.view().scenes().front().slices.front().labels, session()->labels());
+        QTest::mouseClick(tool("Erase"), Qt::LeftButton);
+        drag(at(0.12, 0.2), at(0.33, 0.2));
+        EXPECT_LT(voxels(kVessel), painted);
+        press(LabelPanel::Action::discard);
+        EXPECT_EQ(voxels(kVessel), before);
+        EXPECT_FALSE(window_.label_editor().changed());
+    }
+
+    TEST_F(LabelWindowTest, ALargerBrushAndABallPaintMore)
+    {
+        open_labels();
+        window_.label_panel().choose("aneurysm");
+        const auto painted_by_click = [&] {
+            const std::size_t before = voxels(kVessel);
+            drag(at(0.15, 0.15), at(0.15, 0.15));
+            const std::size_t painted = voxels(kVessel) - before;
+            QTest::keyClick(&window_, Qt::Key_Z, Qt::ControlModifier);
+            return painted;
+        };
+        window_.label_panel().size().setValue(4);
+        const std::size_t small = painted_by_click();
+        window_.label_panel().size().setValue(8);
+        const std::size_t large = painted_by_click();
+        // Discs of 4 and 8 mm on voxels of 2 mm.
+        EXPECT_NEAR(static_cast<double>(small), 12.6, 5.0);
+        EXPECT_NEAR(static_cast<double>(large), 50.3, 10.0);
+        QTest::mouseClick(tool("In all slices within reach"), Qt::LeftButton, {}, QPoint(8, 8));
+        EXPECT_NEAR(static_cast<double>(painted_by_click()), 268.0, 30.0);
+    }
+
+    TEST_F(LabelWindowTest, TheWheelTurnsTheSlicesWhileTheBrushHasTheMouse)
+    {
+        open_labels();
+        const double before = window_.view().scenes().front().slices.front().point.z();
+        const QPoint place = at(0.2, 0.2);
+        QWheelEvent wheel(place, window_.view().mapToGlobal(place), {}, QPoint(0, 120), Qt::NoButton, {},
+            Qt::NoScrollPhase, false);
+        QApplication::sendEvent(&window_.view(), &wheel);
+        EXPECT_TRUE(QTest::qWaitFor(
+            [&] { return window_.view().scenes().front().slices.front().point.z() != before; }, test_support::kPatienceMs));
+    }
+
+    TEST_F(LabelWindowTest, SavedLabelsAreThoseOfTheCase)
+    {
+        open_labels();
+        window_.label_panel().choose("aneurysm");
+        drag(at(0.15, 0.2), at(0.3, 0.2));
+        EXPECT_TRUE(window_.label_panel().button(LabelPanel::Action::confirm).isEnabled());
+        press(LabelPanel::Action::confirm);
+        const auto wanted = session()->labels();
+        press(LabelPanel::Action::save);
+        EXPECT_EQ(window_.error_line(), "");
+        EXPECT_FALSE(window_.label_editor().changed());
+        EXPECT_TRUE(window_.isEnabled());
+        const planner::Case saved = planner::read_case(folder_.path / "case.json");
+        EXPECT_TRUE(saved.estimated_labels.empty()) << "it was confirmed";
+        EXPECT_EQ(saved.labels.path, "labels-2.nrrd");
+        planner::Patient patient(saved);
+        EXPECT_EQ(patient.labels()->voxels, wanted->voxels);
+        EXPECT_TRUE(std::filesystem::exists(folder_.path / "labels.nrrd")) << "those before stay";
+        ASSERT_NE(session(), nullptr) << "one can go on";
+        EXPECT_EQ(session()->labels()->voxels, wanted->voxels);
+    }
+
+    TEST_F(LabelWindowTest, ClosingAsksBeforeCorrectionsAreLost)
+    {
+        open_labels();
+        window_.label_panel().choose("aneurysm");
+        drag(at(0.15, 0.2), at(0.3, 0.2));
+        QString asked;
+        QTimer::singleShot(0, &window_, [&] {
+            auto* question = qobject_cast<QMessageBox*>(QApplication::activeModalWidget());
+            ASSERT_NE(question, nullptr);
+            asked = question->text();
+            question->defaultButton()->click();
+        });
+        window_.close_case();
+        EXPECT_TRUE(asked.contains("corrections are lost")) << asked.toStdString();
+        EXPECT_FALSE(window_.start_page_shown());
+        EXPECT_TRUE(window_.label_editor().changed());
+        press(LabelPanel::Action::discard);
+        window_.close_case();
+        EXPECT_TRUE(window_.start_page_shown());
+    }
+
+    TEST_F(LabelWindowTest, OtherViewsAndTabsGiveTheMouseBack)
+    {
+        open_labels();
+        EXPECT_TRUE(window_.label_editor().active());
+        QTest::keyClick(&window_, Qt::Key_2);
+        EXPECT_FALSE(window_.label_editor().active());
+        EXPECT_EQ(window_.model()->shown_view(), ViewPreset::overview);
+        QTest::keyClick(&window_, Qt::Key_C);
+        EXPECT_TRUE(window_.label_editor().active());
+        EXPECT_EQ(window_.model()->view(), ViewPreset::slices);
+    }
+
+} // namespace label_window_test
+} // namespace retractor::ui

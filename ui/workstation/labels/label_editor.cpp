@@ -1,0 +1,253 @@
+#include "ui/workstation/labels/label_editor.h"
+
+#include "mesh/base/text_format.h"
+
+#include <QInputDialog>
+#include <QLineEdit>
+#include <QPainter>
+#include <QWidget>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace retractor::ui {
+
+namespace {
+
+    constexpr int kSmoothVoxels = 1;
+
+    /// A circle of this many pixels across; an empty one is the usual pointer.
+    QCursor circle_cursor(double across_px)
+    {
+        constexpr int kLeastPx = 3, kMostPx = 255;
+        if (!(across_px > 0.0))
+            return QCursor(Qt::CrossCursor);
+        const int across = std::clamp(static_cast<int>(std::lround(across_px)), kLeastPx, kMostPx);
+        QPixmap picture(across + 2, across + 2);
+        picture.fill(Qt::transparent);
+        QPainter painter(&picture);
+        painter.setRenderHint(QPainter::Antialiasing);
+        painter.setPen(QPen(Qt::white, 1.5));
+        painter.drawEllipse(1, 1, across, across);
+        painter.end();
+        return QCursor(picture, across / 2 + 1, across / 2 + 1);
+    }
+
+} // namespace
+
+LabelEditor::LabelEditor(PictureView& view, LabelPanel& panel, QWidget& window)
+    : view_(view)
+    , panel_(panel)
+    , window_(window)
+    , tool_(view)
+{
+    panel_.on_state = [this] { show_state(); };
+    panel_.on_action = [this](LabelPanel::Action action) { act(action); };
+    tool_.on_edit = [this] { on_labels(); };
+    tool_.on_refusal = [this](const QString& text) { on_message(text); };
+    tool_.on_size = [this](double across_px) { view_.setCursor(circle_cursor(across_px)); };
+}
+
+void LabelEditor::set_case(planner::Case planned_case, ReadLabels read)
+{
+    set_active(false);
+    ++generation_;
+    working_ = 0;
+    reading_ = false;
+    tool_.set_session(nullptr);
+    session_.reset();
+    case_ = std::move(planned_case);
+    read_ = std::move(read);
+    waiting_ = read_ ? "Reading the labels …" : "Labels can be corrected where the case has a CT.";
+    panel_.show_session(nullptr, waiting_);
+}
+
+void LabelEditor::work(std::function<std::function<void()>()> make)
+{
+    ++working_;
+    executor_.post([this, generation = generation_, make = std::move(make)](const Job&) {
+        std::function<void()> deliver;
+        try {
+            deliver = make();
+        } catch (...) {
+            deliver = [this, failure = current_failure()] { on_failure(failure); };
+        }
+        QMetaObject::invokeMethod(
+            this,
+            [this, generation, deliver = std::move(deliver)] {
+                if (generation != generation_)
+                    return;
+                --working_;
+                deliver();
+            },
+            Qt::QueuedConnection);
+    });
+}
+
+void LabelEditor::set_active(bool active)
+{
+    if (active == active_)
+        return;
+    active_ = active;
+    view_.set_tool(active ? &tool_ : nullptr);
+    if (!active) {
+        view_.unsetCursor();
+        return;
+    }
+    if (session_ == nullptr && read_ && !reading_) {
+        reading_ = true;
+        work([this, read = read_]() -> std::function<void()> {
+            const std::shared_ptr<const mesh::LabelVolume> labels = read();
+            return [this, labels] {
+                reading_ = false;
+                session_ = std::make_unique<planner::LabelSession>(case_, labels);
+                tool_.set_session(session_.get());
+                show_state();
+                on_labels();
+            };
+        });
+    }
+    show_state();
+}
+
+void LabelEditor::show_state()
+{
+    LabelBrushState state = panel_.state();
+    if (session_ != nullptr)
+        if (const mesh::LabelInfo* info = mesh::find_label(session_->table(), panel_.chosen()))
+            state.label = info->id;
+    tool_.set_state(state);
+    panel_.show_session(session_.get(), waiting_);
+    if (session_ != nullptr && state.label == 0) // the list was empty before
+        if (const mesh::LabelInfo* info = mesh::find_label(session_->table(), panel_.chosen())) {
+            state.label = info->id;
+            tool_.set_state(state);
+        }
+}
+
+void LabelEditor::undo()
+{
+    if (session_ == nullptr || !session_->to_undo())
+        return;
+    session_->undo();
+    show_state();
+    on_labels();
+}
+
+void LabelEditor::redo()
+{
+    if (session_ == nullptr || !session_->to_redo())
+        return;
+    session_->redo();
+    show_state();
+    on_labels();
+}
+
+void LabelEditor::attempt(const std::function<void(planner::LabelSession&)>& change)
+{
+    try {
+        change(*session_);
+    } catch (...) {
+        return on_failure(current_failure());
+    }
+    show_state();
+    on_labels();
+}
+
+std::optional<std::string> LabelEditor::ask_for_label(
+    const QString& title, const QString& question, const std::string& not_this)
+{
+    QStringList words;
+    std::vector<std::string> names;
+    for (const mesh::LabelInfo& info : session_->table())
+        if (info.name != not_this) {
+            names.push_back(info.name);
+            words += QString::fromStdString(readable(info.name));
+        }
+    if (words.isEmpty())
+        return std::nullopt;
+    bool chosen = false;
+    const QString word = QInputDialog::getItem(&window_, title, question, words, 0, false, &chosen);
+    const auto at = words.indexOf(word);
+    return chosen && at >= 0 ? std::optional(names[static_cast<std::size_t>(at)]) : std::nullopt;
+}
+
+std::optional<std::string> LabelEditor::ask_for_name(
+    const QString& title, const QString& question, const std::string& proposed)
+{
+    bool given = false;
+    const QString text = QInputDialog::getText(
+        &window_, title, question, QLineEdit::Normal, QString::fromStdString(proposed), &given);
+    return given ? std::optional(text.trimmed().toStdString()) : std::nullopt;
+}
+
+void LabelEditor::act(LabelPanel::Action action)
+{
+    using Action = LabelPanel::Action;
+    if (session_ == nullptr)
+        return;
+    const std::string name = panel_.chosen();
+    const QString words = QString::fromStdString(readable(name));
+    const mesh::LabelInfo* info = mesh::find_label(session_->table(), name);
+    const auto edit = [&](const planner::LabelSession::MakeEdit& make) {
+        attempt([&](planner::LabelSession& session) {
+            if (!session.edit(make))
+                on_message("There is nothing to change.");
+        });
+    };
+    const mesh::LabelFlags nothing_kept(mesh::kLabelCount, 0);
+    const Label label = info == nullptr ? Label { 0 } : info->id;
+    switch (action) {
+    case Action::smooth:
+        return edit([&](const mesh::LabelVolume& labels) {
+            return datasets::smoothed(labels, label, kSmoothVoxels, nothing_kept);
+        });
+    case Action::largest:
+        return edit([&](const mesh::LabelVolume& labels) { return datasets::without_islands(labels, label); });
+    case Action::between:
+        return edit([&](const mesh::LabelVolume& labels) {
+            return datasets::interpolated(
+                labels, label, datasets::nearest_axis(labels.grid, Vec3::UnitZ()), nothing_kept);
+        });
+    case Action::confirm:
+        return attempt([&](planner::LabelSession& session) { session.confirm(name); });
+    case Action::join:
+        if (const auto into = ask_for_label("Join labels", "Make " + words + " a part of", name))
+            attempt([&](planner::LabelSession& session) { session.join(name, *into); });
+        return;
+    case Action::rename:
+        if (const auto new_name = ask_for_name("Rename a label", "New name of " + words, name))
+            attempt([&](planner::LabelSession& session) { session.rename(name, *new_name); });
+        return;
+    case Action::add:
+        if (const auto new_name = ask_for_name("New label", "Name of the new target, such as aneurysm", {}))
+            attempt([&](planner::LabelSession& session) {
+                session.add_label(*new_name, "vessel", mesh::Role::target);
+                show_state();
+                panel_.choose(*new_name);
+            });
+        return;
+    case Action::save:
+        return save();
+    case Action::discard:
+        while (session_->to_undo())
+            session_->undo();
+        show_state();
+        on_labels();
+        return;
+    }
+}
+
+void LabelEditor::save()
+{
+    planner::Case corrected;
+    try {
+        corrected = session_->corrected(present_case());
+    } catch (...) {
+        return on_failure(current_failure());
+    }
+    on_save(std::move(corrected), session_->labels());
+}
+
+} // namespace retractor::ui

@@ -1,0 +1,57 @@
+#pragma once
+// The panel on the right while labels are corrected: what the brush does, and the list of labels.
+
+#include "mesh/image/volume.h"
+#include "ui/workstation/labels/label_tool.h"
+
+#include <QWidget>
+
+#include <functional>
+#include <string>
+
+class QButtonGroup;
+class QCheckBox;
+class QComboBox;
+class QLabel;
+class QListWidget;
+class QPushButton;
+class QSlider;
+
+namespace retractor::ui {
+
+class LabelPanel : public QWidget {
+public:
+    explicit LabelPanel(QWidget* parent = nullptr);
+
+    /// @param session null: the labels are not read yet, for the reason `waiting` says
+    void show_session(const planner::LabelSession* session, const QString& waiting);
+    LabelBrushState state() const;
+    /// Name of the chosen label; empty: none.
+    std::string chosen() const;
+    void choose(const std::string& name);
+
+    /// What the buttons under the list do with the chosen label.
+    enum class Action { smooth, largest, between, join, rename, confirm, add, save, discard };
+
+    // Set by the owner.
+    std::function<void()> on_state; ///< state() is another one
+    std::function<void(Action)> on_action;
+
+    QListWidget& list() { return *list_; }
+    QSlider& size() { return *size_; }
+    QPushButton& button(Action action);
+
+private:
+    QPushButton* add_button(Action action, const QString& text, const QString& tip);
+    void show_size();
+
+    QButtonGroup* brushes_ = nullptr;
+    QSlider* size_ = nullptr;
+    QLabel *size_text_ = nullptr, *note_ = nullptr;
+    QCheckBox *ball_ = nullptr, *keeps_bone_ = nullptr;
+    QListWidget* list_ = nullptr;
+    QButtonGroup* actions_ = nullptr;
+    bool showing_ = false; ///< the list is being filled
+};
+
+} // namespace retractor::ui

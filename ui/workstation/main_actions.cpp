@@ -32,7 +32,12 @@ void MainWindow::make_actions()
     make_approach_actions(*menuBar()->addMenu("&Approach"));
     make_knife_actions(*menuBar()->addMenu("&Knife"));
     QMenu* help = menuBar()->addMenu("&Help");
+    add_action(*help, "Manual", QKeySequence::HelpContents, "Open the manual at what is shown", [this] { open_manual(); });
+    add_action(*help, "Save the log…", {}, "What the window said, to be attached to a report of a fault",
+        [this] { ask_for_log_file(); });
     add_action(*help, "About Retractor", {}, "Show the version and the licence", [this] { show_about(); });
+    // Keys that work without the menus, in a conference.
+    addActions({ surgeon_, overview_, slices_, incision_, compare_, opened_, cancel_, confer_ });
     make_tool_bar();
 }
 
@@ -81,6 +86,16 @@ void MainWindow::make_view_actions(QMenu& menu)
         grey_windows_->addAction(action);
     }
     menu.addSeparator();
+    label_looks_ = new QActionGroup(this);
+    const auto add_look = [&](LabelLook look, const QString& text, const QKeySequence& key, const QString& tip) {
+        QAction* action = add_action(menu, text, key, tip, [this, look] { set_label_look(look); });
+        action->setCheckable(true);
+        label_looks_->addAction(action);
+    };
+    add_look(LabelLook::filled, "Labels filled", QKeySequence("Shift+F"), "Slices with labels in their colours");
+    add_look(LabelLook::outlined, "Labels outlined", QKeySequence("Shift+O"), "Slices with the outlines of the labels");
+    add_look(LabelLook::hidden, "No labels", QKeySequence("Shift+N"), "Slices of the CT alone");
+    menu.addSeparator();
     opened_ = add_action(
         menu, "Opened", Qt::Key_O, "Switch between the opened field and the patient before the cut", [this] {
             model_->set_show_opened(opened_->isChecked());
@@ -92,6 +107,10 @@ void MainWindow::make_view_actions(QMenu& menu)
     measure_->setCheckable(true);
     correct_ = add_action(menu, "Correct labels", Qt::Key_C, "Paint, erase and rename labels on the slices",
         [this] { correct_labels(); });
+    menu.addSeparator();
+    confer_ = add_action(menu, "Conference", Qt::Key_F5, "Full screen, large type: the plans step by step",
+        [this] { set_conference(confer_->isChecked()); });
+    confer_->setCheckable(true);
 }
 
 void MainWindow::make_approach_actions(QMenu& menu)
@@ -145,7 +164,8 @@ void MainWindow::make_knife_actions(QMenu& menu)
 
 void MainWindow::make_tool_bar()
 {
-    QToolBar* bar = addToolBar("Tools");
+    tool_bar_ = addToolBar("Tools");
+    QToolBar* bar = tool_bar_;
     bar->setMovable(false);
     bar->setContextMenuPolicy(Qt::PreventContextMenu);
     int key = 1;

@@ -9,6 +9,8 @@
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
 #include "ui/scene/linked_slices.h"
+#include "ui/workstation/conference/conference_bar.h"
+#include "ui/workstation/help/manual_window.h"
 #include "ui/workstation/labels/label_editor.h"
 #include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/planning/metrics_panel.h"
@@ -22,6 +24,7 @@
 #include "ui/workstation/view/theme.h"
 
 #include <QActionGroup>
+#include <QCoreApplication>
 #include <QCloseEvent>
 #include <QDragEnterEvent>
 #include <QDropEvent>
@@ -34,6 +37,7 @@
 #include <QMimeData>
 #include <QProgressBar>
 #include <QPushButton>
+#include <QSaveFile>
 #include <QSplitter>
 #include <QStackedWidget>
 #include <QStatusBar>
@@ -88,6 +92,7 @@ MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
     make_knife();
     make_editor();
     make_labels();
+    make_conference();
     measure_tool_ = std::make_unique<ClickTool>([this](const QPointF& at) { measure_at(at); });
     make_actions();
     make_status_line();
@@ -164,6 +169,7 @@ void MainWindow::make_panes()
     panel_ = new MetricsPanel;
     view_->on_drawing_error = [this] { show_error({ view_->drawing_errors(), "drawing" }); };
     view_->on_slice_point = [this](const Vec3& point) { move_slices(point); };
+    view_->on_double_click = [this](std::size_t scene) { enlarge(scene); };
     view_->on_full_picture = [this](const QImage& picture) {
         if (!remembers_ || !model_ || !is_drawn_on(model_->shown_view()) || pictured_ == model_->planned_case().file())
             return;
@@ -171,7 +177,8 @@ void MainWindow::make_panes()
         keep_case_picture(pictured_, picture);
     };
     auto* panes = new QSplitter;
-    panes->addWidget(titled("Approaches", make_approach_pane()));
+    approach_pane_ = titled("Approaches", make_approach_pane());
+    panes->addWidget(approach_pane_);
     panes->addWidget(view_);
     knife_panel_ = new KnifePanel;
     tabs_ = new QTabWidget;
@@ -203,6 +210,9 @@ void MainWindow::make_panes()
     column->setSpacing(0);
     column->addWidget(banner_);
     column->addWidget(panes, 1);
+    conference_bar_ = new ConferenceBar;
+    conference_bar_->hide();
+    column->addWidget(conference_bar_);
     pages_ = new QStackedWidget;
     pages_->addWidget(page);
     setCentralWidget(pages_);
@@ -585,6 +595,7 @@ void MainWindow::open(planner::Case planned_case)
 
 void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::filesystem::file_time_type> read_at)
 {
+    set_conference(false);
     set_measuring(false);
     editor_->abandon();
     knife_->abandon();
@@ -597,6 +608,7 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     const ViewPreset view = before == ViewPreset::compare ? ViewPreset::surgeon : before;
     backend_ = factory_(planned_case);
     const std::size_t grey_window = model_ ? model_->grey_window() : 0;
+    const LabelLook label_look = model_ ? model_->label_look() : LabelLook::filled;
     editor_->set_case(nullptr, {});
     model_ = std::make_unique<SessionModel>(std::move(planned_case));
     editor_->set_case(model_.get(), backend_);
@@ -609,6 +621,7 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     }
     model_->set_view(view);
     model_->set_grey_window(grey_window);
+    model_->set_label_look(label_look);
     const planner::Case& shown = model_->planned_case();
     const std::filesystem::path name = shown.file_name == planner::kCaseFileName
         ? shown.folder.filename()
@@ -624,6 +637,7 @@ void MainWindow::close_case()
 {
     if (!model_ || !may_leave_case("Close the case?"))
         return;
+    set_conference(false);
     set_measuring(false);
     editor_->abandon();
     knife_->abandon();
@@ -788,6 +802,8 @@ void MainWindow::plan_all()
 
 void MainWindow::cancel()
 {
+    if (in_conference())
+        return set_conference(false);
     if (measuring_)
         return set_measuring(false);
     if (!editor_->abandon() && !knife_->abandon())
@@ -945,6 +961,10 @@ void MainWindow::show_actions()
         action->setChecked(model_ && model_->shown_view() == view);
     }
     grey_windows_->setEnabled(slices_->isEnabled());
+    label_looks_->setEnabled(slices_->isEnabled());
+    label_looks_->actions().at(model_ ? static_cast<int>(model_->label_look()) : 0)->setChecked(true);
+    confer_->setEnabled(model_ != nullptr);
+    confer_->setChecked(in_conference());
     grey_windows_->actions().at(static_cast<int>(model_ ? model_->grey_window() : 0))->setChecked(true);
     const bool compares = model_ && model_->shown_view() == ViewPreset::compare;
     opened_->setEnabled(any && state->field != nullptr && !editor_->drawing() && !compares);
@@ -1022,7 +1042,7 @@ void MainWindow::set_measuring(bool on)
 void MainWindow::measure_at(const QPointF& at)
 {
     std::optional<Vec3> place = view_->slice_place_at(at);
-    const bool in_space = view_->scenes().size() == 1;
+    const bool in_space = view_->scenes().size() == 1 && view_->scenes().front().slices.empty();
     if (in_space && shown_.opened)
         return show_message("Press O first: only the closed skin can be measured.");
     if (!place && in_space && model_->shown_state().closed != nullptr && model_->shown_state().closed->skin_under) {
@@ -1044,6 +1064,53 @@ void MainWindow::set_grey_window(std::size_t index)
     model_->set_grey_window(index);
     if (slices_shown())
         show_slices();
+}
+
+/// Lets one picture of several fill the view, or shows all again.
+void MainWindow::enlarge(std::size_t scene)
+{
+    if (!model_ || (!model_->alone() && view_->scenes().size() < 2))
+        return;
+    model_->set_alone(model_->alone() ? std::nullopt : std::optional(scene));
+    show_all();
+}
+
+void MainWindow::set_label_look(LabelLook look)
+{
+    if (!model_)
+        return;
+    model_->set_label_look(look);
+    if (slices_shown())
+        show_slices();
+}
+
+void MainWindow::open_manual()
+{
+    const auto folder = manual_folder(QCoreApplication::applicationDirPath().toStdString());
+    if (!folder)
+        return show_message("The manual is not installed beside the program. It is also in the source, in docs/user.");
+    const QString heading = start_page_shown() ? "The start page"
+        : labels_tab_open()                    ? "Correcting labels"
+        : knife_tab_open()                     ? "Cutting by hand"
+        : measuring_                           ? "Measuring"
+        : editor_->drawing()                   ? "Approaches"
+        : model_->shown_view() == ViewPreset::compare ? "Comparing"
+                                                      : "";
+    show_manual(*folder, "workstation.md", heading, this);
+}
+
+std::string MainWindow::log_text() { return log_.text(view_->renderer()); }
+
+void MainWindow::ask_for_log_file()
+{
+    const QString file = QFileDialog::getSaveFileName(this, "Save the log", "retractor-log.txt", "Text (*.txt)");
+    if (file.isEmpty())
+        return;
+    QSaveFile out(file); // written beside, then renamed
+    const std::string text = log_text();
+    if (!out.open(QIODevice::WriteOnly) || out.write(text.c_str(), static_cast<qint64>(text.size())) < 0 || !out.commit())
+        return show_error({ "the log cannot be written: " + out.errorString().toStdString(), file.toStdString() });
+    show_message("Saved " + file);
 }
 
 /// Whether the picture is that of the slices, and not that of the knife.
@@ -1087,7 +1154,8 @@ Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& sour
 void MainWindow::show_progress()
 {
     const bool busy = model_ && model_->busy();
-    cancel_->setEnabled(busy || knife_->mode() != KnifeMode::away || editor_->drawing() || measuring_);
+    cancel_->setEnabled(
+        busy || knife_->mode() != KnifeMode::away || editor_->drawing() || measuring_ || in_conference());
     progress_->setVisible(busy);
     cancel_button_->setVisible(busy);
     if (reading_ > 0)
@@ -1110,6 +1178,7 @@ void MainWindow::show_progress()
 void MainWindow::show_error(const Failure& failure)
 {
     error_ = to_string(failure);
+    log_.add("error", error_);
     message_->setStyleSheet("color: #ff8a80;");
     message_->setText(QString::fromStdString(error_));
     message_->setToolTip(message_->text());
@@ -1119,6 +1188,7 @@ void MainWindow::show_error(const Failure& failure)
 void MainWindow::show_message(const QString& text)
 {
     clear_error();
+    log_.add("message", text.toStdString());
     message_->setStyleSheet({});
     message_->setText(text);
 }

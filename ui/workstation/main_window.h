@@ -4,7 +4,9 @@
 // work and shows the results.
 
 #include "mesh/base/serial_executor.h"
+#include "ui/workstation/conference/presentation.h"
 #include "ui/workstation/cutting/knife_tool.h"
+#include "ui/workstation/help/session_log.h"
 #include "ui/workstation/planning/approach_editor.h"
 #include "ui/workstation/planning/planning_backend.h"
 #include "ui/workstation/planning/session_model.h"
@@ -27,6 +29,7 @@ class QProgressBar;
 class QPushButton;
 class QStackedWidget;
 class QTabWidget;
+class QToolBar;
 
 namespace retractor::planner {
 struct Palpable;
@@ -35,6 +38,7 @@ struct Palpable;
 namespace retractor::ui {
 
 class ApproachList;
+class ConferenceBar;
 class LabelEditor;
 class LabelPanel;
 class MetricsPanel;
@@ -85,6 +89,14 @@ public:
     /// Writes the whole window as PNG. @throws IoError
     void save_screenshot(const std::filesystem::path& path);
 
+    /// Begins or ends the conference: full screen, large type, the plans step by step.
+    void set_conference(bool on);
+    bool in_conference() const { return !steps_.empty(); }
+    ConferenceBar& conference_bar() { return *conference_bar_; }
+
+    /// The log to be attached to a report of a fault.
+    std::string log_text();
+
     /// Whether nothing is being read, drawn, planned or cut.
     bool idle() const;
     /// Null before a case is open.
@@ -129,6 +141,16 @@ private:
     void make_editor();
     void make_labels();
 
+    // main_conference.cpp
+    void make_conference();
+    void go_to_step(std::size_t step);
+    void step_by(int steps);
+    void show_frame(bool shown); ///< menus, tool bar, panes and status line
+
+    void enlarge(std::size_t scene);
+    void set_label_look(LabelLook look);
+    void open_manual();
+    void ask_for_log_file();
     bool labels_tab_open() const;
     /// Gives the mouse to the brush on the slices.
     void correct_labels();
@@ -212,6 +234,13 @@ private:
     MetricsPanel* panel_ = nullptr;
     KnifePanel* knife_panel_ = nullptr;
     LabelPanel* label_panel_ = nullptr;
+    QWidget* approach_pane_ = nullptr;
+    QToolBar* tool_bar_ = nullptr;
+    ConferenceBar* conference_bar_ = nullptr;
+    std::vector<PresentationStep> steps_; ///< of the conference; empty: there is none
+    std::size_t step_ = 0;
+    bool was_maximized_ = false; ///< before the conference
+    SessionLog log_;
     QTabWidget* tabs_ = nullptr;
     QAction *knife_action_ = nullptr, *line_action_ = nullptr, *hook_action_ = nullptr, *take_out_action_ = nullptr,
             *undo_ = nullptr, *redo_ = nullptr;
@@ -219,7 +248,8 @@ private:
             *site_ = nullptr, *duplicate_ = nullptr, *neighbours_ = nullptr, *remove_ = nullptr, *close_case_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *compare_ = nullptr,
-            *measure_ = nullptr, *correct_ = nullptr;
+            *measure_ = nullptr, *correct_ = nullptr, *confer_ = nullptr;
+    QActionGroup *label_looks_ = nullptr, *presenter_keys_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
             *palpate_ = nullptr;
     QLabel* message_ = nullptr;

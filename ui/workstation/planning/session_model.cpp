@@ -403,6 +403,7 @@ ShownSource SessionModel::shown_source() const
         for (const std::size_t index : planned())
             source.compared.push_back(this->state(index).field);
         source.pictures = source.compared.front();
+        source.alone = alone_;
         return source;
     }
     ShownSource source { .pictures = nullptr, .opened = opened, .view = view_, .approach = std::nullopt };
@@ -414,6 +415,7 @@ ShownSource SessionModel::shown_source() const
         source.pictures = state.closed;
     if (shows_slices(view_))
         source.slices = state.closed;
+    source.alone = alone_;
     return source;
 }
 
@@ -438,6 +440,10 @@ std::vector<Scene> SessionModel::unmeasured_scenes() const
         for (SliceItem& slice : scene.slices) {
             slice.window_hu = kGreyWindows[grey_window_].window_hu;
             slice.level_hu = kGreyWindows[grey_window_].level_hu;
+            if (label_look_ == LabelLook::outlined)
+                slice.fill = 0.0;
+            if (label_look_ == LabelLook::hidden)
+                slice.outline_of_label.clear();
         }
     const bool surgeon = shown_view() == ViewPreset::surgeon || shown_view() == ViewPreset::incision;
     if (!surgeon || !scenes.empty())
@@ -465,6 +471,10 @@ std::vector<Scene> SessionModel::shown_scenes() const
 {
     std::vector<Scene> scenes = unmeasured_scenes();
     draw_measurements(scenes, measurements_);
+    if (alone_ && *alone_ < scenes.size()) {
+        std::swap(scenes.front(), scenes[*alone_]);
+        scenes.resize(1);
+    }
     return scenes;
 }
 

@@ -30,6 +30,9 @@ enum class ViewPreset {
     compare, ///< the surgeon's view of all planned approaches beside each other
 };
 
+/// How labels are drawn on slices.
+enum class LabelLook { filled, outlined, hidden };
+
 /// Whether the view shows slices of the CT: three planes, or the planes along and across the incision.
 inline bool shows_slices(ViewPreset view) { return view == ViewPreset::slices || view == ViewPreset::incision; }
 
@@ -90,6 +93,7 @@ struct ShownSource {
     std::optional<std::size_t> approach; ///< its id
     std::shared_ptr<const void> slices {}; ///< the ClosedPictures, in the view of slices
     std::vector<std::shared_ptr<const void>> compared {}; ///< the FieldPictures, in a comparison
+    std::optional<std::size_t> alone {}; ///< the picture of several that fills the view
     bool operator==(const ShownSource&) const = default;
 };
 
@@ -144,13 +148,22 @@ public:
         const bool of_approach = view_ == ViewPreset::surgeon || view_ == ViewPreset::incision;
         return of_approach && !selected_ ? ViewPreset::overview : view_;
     }
-    void set_view(ViewPreset view) { view_ = view; }
+    void set_view(ViewPreset view)
+    {
+        if (view != view_)
+            alone_.reset();
+        view_ = view;
+    }
     /// Whether the view can be shown: slices need a CT; the surgeon's eye and the incision's slices an approach; a
     /// comparison two planned approaches.
     bool view_available(ViewPreset view) const;
 
     /// The planned approaches, by index.
     std::vector<std::size_t> planned() const;
+
+    /// One picture of several that fills the view, by its place among them; nothing: all. Another view shows all again.
+    void set_alone(std::optional<std::size_t> alone) { alone_ = alone; }
+    std::optional<std::size_t> alone() const { return alone_; }
 
     /// Whether a planned approach is shown opened, or as before the cut.
     bool show_opened() const { return show_opened_; }
@@ -184,6 +197,10 @@ public:
     std::optional<std::size_t> begin_saved();
     /// @param field nothing: there is no saved plan
     void saved_done(std::optional<FieldPictures> field);
+
+    /// For the slices of all approaches.
+    void set_label_look(LabelLook look) { label_look_ = look; }
+    LabelLook label_look() const { return label_look_; }
 
     /// The slices show these labels, each in its own colour. Null: those that they were made with.
     void set_corrected_labels(std::shared_ptr<const mesh::LabelVolume> labels) { corrected_ = std::move(labels); }
@@ -238,6 +255,8 @@ private:
     bool show_opened_ = true;
     std::size_t grey_window_ = 0;
     std::shared_ptr<const mesh::LabelVolume> corrected_;
+    LabelLook label_look_ = LabelLook::filled;
+    std::optional<std::size_t> alone_;
     std::vector<Measurement> measurements_;
     std::deque<std::size_t> waiting_; ///< ids
     std::optional<std::size_t> planning_, making_closed_, reading_saved_; ///< ids

@@ -18,6 +18,8 @@
 #include <QImage>
 #include <QLabel>
 #include <QMouseEvent>
+#include <QOpenGLContext>
+#include <QOpenGLFunctions>
 #include <QPixmap>
 #include <QWheelEvent>
 
@@ -348,8 +350,16 @@ std::optional<QPointF> PictureView::shown_at(const Vec3& place) const
 bool PictureView::event(QEvent* event)
 {
     switch (event->type()) {
-    case QEvent::MouseButtonPress:
     case QEvent::MouseButtonDblClick:
+        if (const auto& click = *static_cast<QMouseEvent*>(event); tool_ == nullptr && on_double_click
+            && click.button() == Qt::LeftButton && click.modifiers() == Qt::NoModifier)
+            if (const auto index = scene_at(click.localPos())) {
+                pointing_.reset();
+                on_double_click(*index);
+                return true;
+            }
+        [[fallthrough]];
+    case QEvent::MouseButtonPress:
     case QEvent::MouseMove:
     case QEvent::MouseButtonRelease:
         if (tool_ != nullptr && handle_mouse(*static_cast<QMouseEvent*>(event)))
@@ -383,6 +393,31 @@ std::optional<std::size_t> PictureView::slice_at(const QPointF& at) const
             return i;
     }
     return std::nullopt;
+}
+
+std::optional<std::size_t> PictureView::scene_at(const QPointF& at) const
+{
+    if (!is_drawn())
+        return std::nullopt;
+    const double across = at.x() / width(), up = 1.0 - at.y() / height();
+    const std::vector<Viewport> viewports = arrange_scenes(*scenes_, width(), height());
+    for (std::size_t i = 0; i < viewports.size(); ++i) {
+        const Viewport& v = viewports[i];
+        if (across >= v.left && across < v.right && up >= v.bottom && up < v.top)
+            return i;
+    }
+    return std::nullopt;
+}
+
+std::string PictureView::renderer()
+{
+    if (context() == nullptr)
+        return "none";
+    makeCurrent();
+    const auto* name = context()->functions()->glGetString(GL_RENDERER);
+    std::string text = name == nullptr ? "none" : reinterpret_cast<const char*>(name);
+    doneCurrent();
+    return text;
 }
 
 std::optional<SlicePlane> PictureView::slice_plane_at(const QPointF& at) const

@@ -74,6 +74,9 @@ public:
     /// the slice under it, the left button names a place on a slice. Empty: the mouse moves the cameras of slices.
     std::function<void(const Vec3&)> on_slice_point;
 
+    /// Called with the place of the scene, among those shown, that was clicked twice. Not while a tool has the mouse.
+    std::function<void(std::size_t)> on_double_click;
+
     /// Props drawn with the first scene. Their owner changes them between pictures and then calls draw_soon(). Null:
     /// none. Remove the props before they end.
     void set_live(const LiveProps* live);
@@ -116,6 +119,7 @@ public:
     /// drawn with the first scene are always shown in the window's own, coarse picture.
     bool coarse() const { return coarse_; }
     bool is_drawn() const; ///< there is a scene, and a window for it
+    std::string renderer(); ///< name of OpenGL's renderer; "none" without a context
     /// Whether there is an OpenGL context and the pictures have the view's present size.
     bool ready() const { return ready_ && !resize_timer_.isActive(); }
     /// The present camera of the first scene. @pre a scene is shown and drawn
@@ -143,6 +147,7 @@ private:
     bool handle_mouse(QMouseEvent& event);
     /// The scene whose linked slice lies under a place of the widget.
     std::optional<std::size_t> slice_at(const QPointF& at) const;
+    std::optional<std::size_t> scene_at(const QPointF& at) const;
     /// Asks for slices through a point with the next picture.
     void want_point(const Vec3& point);
     bool step_slice(const QWheelEvent& event);

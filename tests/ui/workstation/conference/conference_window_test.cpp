@@ -1,0 +1,204 @@
+// The conference, enlarged pictures, labels on slices and the log, by mouse and keyboard events.
+
+#include "tests/support/synthetic_patient.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/window_help.h"
+
+#include "ui/workstation/conference/conference_bar.h"
+#include "ui/workstation/help/manual_window.h"
+#include "ui/workstation/help/session_log.h"
+#include "ui/workstation/main_window.h"
+#include "ui/workstation/planning/approach_list.h"
+#include "ui/workstation/view/picture_view.h"
+
+#include <gtest/gtest.h>
+
+#include <QMenuBar>
+#include <QPushButton>
+#include <QTest>
+#include <QTextBlock>
+#include <QTextBrowser>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace retractor::ui {
+namespace conference_window_test {
+
+    class ConferenceTest : public testing::Test {
+    protected:
+        void open_synthetic()
+        {
+            test_support::show_window(window_);
+            window_.open(test_support::synthetic_case());
+            test_support::wait_until_idle(window_);
+        }
+        void plan(const std::string& name)
+        {
+            window_.select(name);
+            window_.plan_selected();
+            test_support::wait_until_idle(window_);
+        }
+        void press(Qt::Key key, Qt::KeyboardModifiers with = {})
+        {
+            QTest::keyClick(&window_, key, with);
+            test_support::wait_until_idle(window_);
+        }
+        std::string title() { return window_.conference_bar().title().toStdString(); }
+
+        std::shared_ptr<test_support::SyntheticControl> control_ = std::make_shared<test_support::SyntheticControl>();
+        MainWindow window_ { [this](const planner::Case&) { return test_support::synthetic_backend(control_); } };
+    };
+
+    TEST_F(ConferenceTest, ShowsThePlansStepByStep)
+    {
+        open_synthetic();
+        plan("median");
+        plan("lateral");
+        window_.select("median");
+        press(Qt::Key_F5);
+        ASSERT_TRUE(window_.in_conference());
+        EXPECT_FALSE(window_.menuBar()->isVisible());
+        EXPECT_FALSE(window_.approach_list().isVisible());
+        EXPECT_TRUE(window_.conference_bar().isVisible());
+        // median: where it cuts, opened, what is seen; lateral: the same; broken: where it cuts; all beside each other.
+        const std::vector<ViewPreset> views { ViewPreset::overview, ViewPreset::overview, ViewPreset::surgeon,
+            ViewPreset::overview, ViewPreset::overview, ViewPreset::surgeon, ViewPreset::overview,
+            ViewPreset::compare };
+        for (std::size_t step = 0; step < views.size(); ++step) {
+            EXPECT_EQ(window_.model()->shown_view(), views[step]) << step << " " << title();
+            EXPECT_FALSE(window_.conference_bar().text().isEmpty()) << title();
+            if (step + 1 < views.size())
+                press(step % 2 == 0 ? Qt::Key_Right : Qt::Key_PageDown);
+        }
+        EXPECT_EQ(title(), "Comparison");
+        press(Qt::Key_Right); // there is no further step
+        EXPECT_EQ(title(), "Comparison");
+        const char* pictures = std::getenv("RETRACTOR_PICTURES");
+        const test_support::TemporaryFolder folder;
+        window_.save_screenshot(
+            (pictures != nullptr ? std::filesystem::path(pictures) : folder.path) / "window-conference.png");
+        press(Qt::Key_Home);
+        EXPECT_FALSE(window_.model()->show_opened()) << "it begins before the cut";
+        press(Qt::Key_PageDown);
+        EXPECT_TRUE(window_.model()->show_opened());
+        EXPECT_NE(title().find("opened"), std::string::npos);
+        press(Qt::Key_Escape);
+        EXPECT_FALSE(window_.in_conference());
+        EXPECT_TRUE(window_.menuBar()->isVisible());
+        EXPECT_TRUE(window_.approach_list().isVisible());
+        EXPECT_FALSE(window_.conference_bar().isVisible());
+    }
+
+    TEST_F(ConferenceTest, TheButtonsDoTheSameAndAnotherCaseEndsIt)
+    {
+        open_synthetic();
+        plan("median");
+        press(Qt::Key_F5);
+        const std::string first = title();
+        for (QPushButton* button : window_.conference_bar().findChildren<QPushButton*>())
+            if (button->text() == "Next")
+                QTest::mouseClick(button, Qt::LeftButton);
+        EXPECT_NE(title(), first);
+        window_.open(test_support::synthetic_case());
+        test_support::wait_until_idle(window_);
+        EXPECT_FALSE(window_.in_conference());
+        EXPECT_TRUE(window_.menuBar()->isVisible());
+    }
+
+    TEST_F(ConferenceTest, WithoutApproachesThePatientIsShown)
+    {
+        test_support::show_window(window_);
+        planner::Case none = test_support::synthetic_case();
+        none.approaches.clear();
+        window_.open(none);
+        test_support::wait_until_idle(window_);
+        press(Qt::Key_F5);
+        EXPECT_EQ(title(), "The patient");
+        press(Qt::Key_Right);
+        press(Qt::Key_End);
+        EXPECT_EQ(title(), "The patient");
+    }
+
+    TEST_F(ConferenceTest, ADoubleClickLetsOnePictureFillTheView)
+    {
+        open_synthetic();
+        press(Qt::Key_3);
+        PictureView& view = window_.view();
+        ASSERT_EQ(view.scenes().size(), 4U);
+        const auto twice = [&](double across, double down) {
+            QTest::mouseDClick(&view, Qt::LeftButton, {},
+                QPoint(static_cast<int>(across * view.width()), static_cast<int>(down * view.height())));
+            test_support::wait_until_idle(window_);
+        };
+        twice(0.75, 0.25); // coronal
+        ASSERT_EQ(view.scenes().size(), 1U);
+        EXPECT_EQ(view.scenes().front().slices.front().plane, SlicePlane::coronal);
+        twice(0.5, 0.5);
+        EXPECT_EQ(view.scenes().size(), 4U);
+        twice(0.75, 0.75); // the picture in space
+        ASSERT_EQ(view.scenes().size(), 1U);
+        EXPECT_TRUE(view.scenes().front().slices.empty());
+        press(Qt::Key_2);
+        press(Qt::Key_3);
+        EXPECT_EQ(view.scenes().size(), 4U) << "another view shows all again";
+    }
+
+    TEST_F(ConferenceTest, LabelsOnSlicesCanBeHidden)
+    {
+        open_synthetic();
+        press(Qt::Key_3);
+        const auto slice = [&] { return window_.view().scenes().front().slices.front(); };
+        press(Qt::Key_N, Qt::ShiftModifier);
+        EXPECT_TRUE(slice().outline_of_label.empty());
+        press(Qt::Key_O, Qt::ShiftModifier);
+        EXPECT_EQ(slice().fill, 0.0);
+        press(Qt::Key_F, Qt::ShiftModifier);
+        EXPECT_GT(slice().fill, 0.0);
+    }
+
+    TEST_F(ConferenceTest, TheLogHoldsWhatTheWindowSaidAndNoPath)
+    {
+        open_synthetic();
+        window_.open_file("/no/such/Doe_John/case.json");
+        test_support::wait_until_idle(window_);
+        EXPECT_NE(window_.error_line().find("Doe_John"), std::string::npos);
+        const std::string log = window_.log_text();
+        EXPECT_NE(log.find("error: "), std::string::npos);
+        EXPECT_NE(log.find("Retractor "), std::string::npos);
+        EXPECT_NE(log.find("OpenGL: "), std::string::npos);
+        EXPECT_EQ(log.find("Doe"), std::string::npos) << log;
+    }
+
+    TEST(SessionLog, LeavesPathsOut)
+    {
+        EXPECT_EQ(without_paths("cannot read /home/doe/ct.nrrd: it is short"), "cannot read …: it is short");
+        EXPECT_EQ(without_paths("~/x and ./y and ../z/w"), "… and … and …");
+        EXPECT_EQ(without_paths("3 mm/s at 3/4"), "3 mm/s at 3/4");
+        EXPECT_EQ(without_paths("\"/a/b\""), "\"…\"");
+    }
+
+    TEST(Manual, IsFoundAboveTheProgramAndOpensAtAHeading)
+    {
+        const test_support::TemporaryFolder folder;
+        std::filesystem::create_directories(folder.path / "docs/user");
+        std::filesystem::create_directories(folder.path / "build/release/bin");
+        std::ofstream(folder.path / "docs/user/workstation.md")
+            << "# The workstation\n\n[more](more.md)\n\n" << std::string(20000, 'x') << "\n\n## Measuring\n\nWith R.\n";
+        const auto found = manual_folder(folder.path / "build/release/bin");
+        ASSERT_TRUE(found);
+        EXPECT_FALSE(manual_folder(folder.path / "build"));
+        QWidget* window = show_manual(*found, "workstation.md", "Measuring");
+        auto* browser = window->findChild<QTextBrowser*>();
+        ASSERT_NE(browser, nullptr);
+        EXPECT_TRUE(browser->toPlainText().contains("With R."));
+        EXPECT_EQ(browser->textCursor().block().text(), "Measuring");
+        delete window;
+    }
+
+} // namespace conference_window_test
+} // namespace retractor::ui

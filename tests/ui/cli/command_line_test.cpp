@@ -65,7 +65,8 @@ protected:
 
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
-    for (const char* command : { "phantom", "import", "approach add", "approach guide", "hooks", "tension", "mesh",
+    for (const char* command : { "phantom", "import", "labels list", "labels paint", "labels interpolate",
+             "approach add", "approach guide", "hooks", "tension", "mesh",
              "cut", "plan", "render", "compare", "search", "batch", "demo", "doctor", "palpable", "palpate", "relay",
              "train", "train expert", "train test", "train report", "evidence", "evidence complications",
              "evidence rules", "evidence show-rule", "evidence generate" }) {
@@ -73,6 +74,50 @@ TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
     }
+}
+
+TEST_F(CommandLine, LabelsAreCorrectedAndTheApproachesFollow)
+{
+    const std::string p = out("p"), file = out("corrected/case.json");
+    ASSERT_EQ(
+        run("import " + p + "/ct --labels " + p + "/labels.nrrd --no-contact-sheet --out " + file).exit_code, 0);
+    ASSERT_EQ(run("approach add " + file
+                  + " --name straight --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --retract cavity --hooks 2 "
+                    "--opening 20")
+                  .exit_code,
+        0);
+    const auto volumes = [&] {
+        std::map<std::string, double> ml;
+        const CommandRun list = run("--json labels list " + file);
+        EXPECT_EQ(list.exit_code, 0);
+        const Json document = list.json();
+        for (const Json& label : document.at("labels"))
+            ml[label.at("name").get<std::string>()] = label.at("volume_ml").get<double>();
+        return ml;
+    };
+    const std::map<std::string, double> before = volumes();
+    ASSERT_TRUE(before.contains("target"));
+    const CommandRun paint
+        = run("--json labels paint " + file + " --label target --at 0,20,0 --at 0,30,0 --radius 6");
+    ASSERT_EQ(paint.exit_code, 0) << paint.out;
+    EXPECT_NEAR(volumes().at("target") - before.at("target"), paint.json().at("volume_ml").get<double>(), 1e-6);
+    EXPECT_TRUE(fs::exists(folder / "corrected" / "labels.nrrd")) << "the labels before stay";
+    EXPECT_EQ(paint.json().at("labels"), "labels-2.nrrd");
+    ASSERT_EQ(run("labels erase " + file + " --label target --at 0,20,0 --at 0,30,0 --radius 12").exit_code, 0);
+    EXPECT_LT(volumes().at("target"), before.at("target") + 1e-6);
+    ASSERT_EQ(run("labels rename " + file + " --label target --to aneurysm").exit_code, 0);
+    EXPECT_TRUE(volumes().contains("aneurysm"));
+    EXPECT_NE(run("approach list " + file).out.find("target aneurysm"), std::string::npos);
+    // Errors name the option, and leave the case.
+    for (const char* wrong : { "paint CASE --label spleen --at 0,0,0 --radius 3", "rename CASE --label aneurysm --to cavity",
+             "join CASE --label aneurysm --to aneurysm", "confirm CASE --label aneurysm",
+             "paint CASE --label aneurysm --at 0,0 --radius 3", "paint CASE --label aneurysm --at 0,0,0 --radius 0",
+             "smooth CASE --label aneurysm --voxels 0", "fill CASE --label aneurysm --at 9999,0,0" }) {
+        std::string line = wrong;
+        line.replace(line.find("CASE"), 4, file);
+        EXPECT_EQ(run("labels " + line).exit_code, 2) << wrong;
+    }
+    EXPECT_TRUE(volumes().contains("aneurysm"));
 }
 
 TEST_F(CommandLine, ACaseFileMayHaveAnyName)

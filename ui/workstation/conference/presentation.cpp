@@ -2,7 +2,6 @@
 
 #include "mesh/base/text_format.h"
 #include "planner/approach/approach_draft.h"
-#include "planner/approach/retractors.h"
 #include "planner/measures/verdict.h"
 
 #include <algorithm>
@@ -29,12 +28,12 @@ namespace {
         return text;
     }
 
-    std::string opened_text(const planner::Approach& approach, const planner::FieldMetrics& field)
+    std::string opened_text(const planner::FieldMetrics& field)
     {
-        const std::vector<std::string> sentences = planner::verdict_of(field).sentences;
-        std::string text = approach.retractor ? "Opened by " + planner::retractor_text(*approach.retractor) + "." : "";
-        if (!sentences.empty())
-            text += (text.empty() ? "" : " ") + sentences.front();
+        std::string text;
+        for (const std::string& sentence : planner::verdict_of(field).sentences)
+            if (!sentence.starts_with("Shows")) // the next step says it
+                text += (text.empty() ? "" : " ") + sentence;
         return text;
     }
 
@@ -64,7 +63,7 @@ namespace {
         if (state.field == nullptr)
             return;
         const planner::FieldMetrics& field = state.field->metrics;
-        steps.push_back({ index, ViewPreset::overview, true, name + ": opened", opened_text(approach, field) });
+        steps.push_back({ index, ViewPreset::overview, true, name + ": opened", opened_text(field) });
         steps.push_back(
             { index, ViewPreset::surgeon, true, name + ": what the surgeon sees", seen_text(field) });
     }

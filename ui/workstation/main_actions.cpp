@@ -136,6 +136,11 @@ void MainWindow::make_approach_actions(QMenu& menu)
         "Add the same approach one space higher and lower, and 20 mm along", [this] { editor_->add_neighbours(); });
     remove_ = add_action(menu, "Remove", QKeySequence::Delete, "Remove this approach", [this] { editor_->remove(); });
     menu.addSeparator();
+    choose_ = add_action(menu, "Choose…", QKeySequence("Shift+C"), "Record that the team chooses this approach, and why",
+        [this] { choose_approach(); });
+    questions_ = add_action(menu, "Six questions…", QKeySequence("Shift+Q"),
+        "Answer the questions about the planned field", [this] { ask_questions(); });
+    menu.addSeparator();
     plan_ = add_action(menu, "Plan", Qt::Key_P, "Cut, open and measure this approach", [this] { plan_selected(); });
     plan_all_ = add_action(
         menu, "Plan all", QKeySequence("Shift+P"), "Cut, open and measure all approaches", [this] { plan_all(); });

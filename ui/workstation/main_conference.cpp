@@ -1,6 +1,10 @@
-// The conference of the main window: full screen, large type, the plans step by step.
+// The conference of the main window: full screen, large type, the plans step by step; and what the team decides.
 
+#include "planner/approach/approach_draft.h"
+#include "planner/measures/provenance.h"
+#include "planner/measures/verdict.h"
 #include "ui/workstation/conference/conference_bar.h"
+#include "ui/workstation/conference/decision_dialogs.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/picture_view.h"
 
@@ -12,6 +16,9 @@
 #include <QToolBar>
 
 #include <algorithm>
+#include <chrono>
+#include <memory>
+#include <string>
 #include <utility>
 
 namespace retractor::ui {
@@ -112,6 +119,86 @@ void MainWindow::go_to_step(std::size_t number)
     conference_bar_->show_step(step, number + 1, steps_.size());
     hand_out_work();
     show_all();
+}
+
+void MainWindow::read_decisions()
+{
+    try {
+        model_->set_decisions(planner::read_decisions(planner::decisions_file(model_->planned_case())));
+    } catch (...) { // a damaged file: choosing says so, and leaves it
+        show_error(with_controls(current_failure()));
+    }
+}
+
+void MainWindow::change_decisions(std::function<void(planner::Decisions&)> change, const QString& message)
+{
+    ++saving_;
+    saving_executor_.post([this, generation = generation_, change = std::move(change), message,
+                              file = planner::decisions_file(model_->planned_case())](const Job&) {
+        std::function<void()> deliver;
+        try {
+            auto decisions = std::make_shared<planner::Decisions>(planner::read_decisions(file));
+            change(*decisions);
+            planner::write_decisions(file, *decisions);
+            deliver = [this, decisions, message] {
+                model_->set_decisions(*decisions);
+                show_all();
+                show_message(message.isEmpty() ? QString::fromStdString(answers_text(*decisions)) : message);
+            };
+        } catch (...) {
+            deliver = [this, failure = current_failure()] { show_error(failure); };
+        }
+        post_back([this, generation, deliver] {
+            --saving_;
+            if (generation == generation_)
+                deliver();
+        });
+    });
+}
+
+void MainWindow::choose_approach()
+{
+    if (!model_ || !model_->selected())
+        return;
+    const std::size_t index = *model_->selected();
+    const planner::Approach& approach = model_->approach(index);
+    std::string plan;
+    if (const auto& field = model_->state(index).field)
+        for (const std::string& sentence : planner::verdict_of(field->metrics).sentences)
+            plan += (plan.empty() ? "" : " ") + sentence;
+    std::string holding;
+    if (const planner::Decisions& decisions = model_->decisions(); !decisions.choices.empty())
+        holding = planner::choice_sentence(
+            decisions.choices.back(), planner::chosen_name(model_->planned_case(), decisions.choices.back()));
+    ChoiceDialog dialog(planner::spoken_name(approach), plan, holding, decided_by_, this);
+    const planner::Choice choice { .approach = approach.name, .by = {}, .why = {}, .when = {}, .plan = plan };
+    if (dialog.exec() != QDialog::Accepted)
+        return;
+    decided_by_ = dialog.by();
+    change_decisions(
+        [choice, by = dialog.by(), why = dialog.why()](planner::Decisions& decisions) {
+            decisions.choices.push_back(choice);
+            decisions.choices.back().by = by;
+            decisions.choices.back().why = why;
+            decisions.choices.back().when = planner::utc_text(std::chrono::system_clock::now());
+        },
+        QString::fromStdString("Chosen: " + planner::spoken_name(approach)));
+}
+
+void MainWindow::ask_questions()
+{
+    if (!model_)
+        return;
+    AnswersDialog dialog(decided_by_, this);
+    if (dialog.exec() != QDialog::Accepted)
+        return;
+    decided_by_ = dialog.answers().by;
+    change_decisions(
+        [answers = dialog.answers()](planner::Decisions& decisions) {
+            decisions.answers.push_back(answers);
+            decisions.answers.back().when = planner::utc_text(std::chrono::system_clock::now());
+        },
+        {});
 }
 
 } // namespace retractor::ui

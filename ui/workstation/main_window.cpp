@@ -278,6 +278,7 @@ void MainWindow::make_labels()
     labels_->on_save = [this](const planner::Case& corrected, const std::shared_ptr<const mesh::LabelVolume>& labels) {
         save_labels(corrected, labels);
     };
+    labels_->on_place = [this](const Vec3& place) { move_slices(place); };
     labels_->on_message = [this](const QString& text) { show_message(text); };
     labels_->on_failure = [this](const Failure& failure) { show_error(with_controls(failure)); };
 }
@@ -613,6 +614,7 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     model_ = std::make_unique<SessionModel>(std::move(planned_case));
     editor_->set_case(model_.get(), backend_);
     labels_->set_case(model_->planned_case(), backend_.labels);
+    read_decisions();
     saving_executor_.post([this, read_at](const Job&) { case_time_ = read_at; });
     not_saved_.clear();
     if (remembers_) {
@@ -984,7 +986,8 @@ void MainWindow::show_actions()
     move_->setEnabled(editor_->draw_possible() && any);
     move_->setChecked(editor_->moving());
     finish_->setEnabled(editor_->drawing());
-    for (QAction* action : { change_, duplicate_, neighbours_, remove_ })
+    questions_->setEnabled(any);
+    for (QAction* action : { change_, duplicate_, neighbours_, remove_, choose_ })
         action->setEnabled(any && !editor_->drawing());
     site_->setEnabled(
         any && model_->view() == ViewPreset::slices && model_->slice_place().has_value() && !editor_->drawing());

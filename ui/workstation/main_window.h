@@ -147,6 +147,11 @@ private:
     void step_by(int steps);
     void show_frame(bool shown); ///< menus, tool bar, panes and status line
 
+    void choose_approach();
+    void ask_questions();
+    /// Reads the decisions again, changes them and writes them, in the background.
+    void change_decisions(std::function<void(planner::Decisions&)> change, const QString& message);
+    void read_decisions();
     void enlarge(std::size_t scene);
     void set_label_look(LabelLook look);
     void open_manual();
@@ -239,13 +244,14 @@ private:
     ConferenceBar* conference_bar_ = nullptr;
     std::vector<PresentationStep> steps_; ///< of the conference; empty: there is none
     std::size_t step_ = 0;
+    std::string decided_by_; ///< who decided or answered last, as the next proposal
     bool was_maximized_ = false; ///< before the conference
     SessionLog log_;
     QTabWidget* tabs_ = nullptr;
     QAction *knife_action_ = nullptr, *line_action_ = nullptr, *hook_action_ = nullptr, *take_out_action_ = nullptr,
             *undo_ = nullptr, *redo_ = nullptr;
     QAction *new_approach_ = nullptr, *draw_ = nullptr, *move_ = nullptr, *finish_ = nullptr, *change_ = nullptr,
-            *site_ = nullptr, *duplicate_ = nullptr, *neighbours_ = nullptr, *remove_ = nullptr, *close_case_ = nullptr;
+            *site_ = nullptr, *duplicate_ = nullptr, *neighbours_ = nullptr, *remove_ = nullptr, *choose_ = nullptr, *questions_ = nullptr, *close_case_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *compare_ = nullptr,
             *measure_ = nullptr, *correct_ = nullptr, *confer_ = nullptr;

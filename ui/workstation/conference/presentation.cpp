@@ -75,8 +75,13 @@ namespace {
             return model.state(a).field->metrics.seen_best_eye < model.state(b).field->metrics.seen_best_eye;
         });
         const planner::FieldMetrics& field = model.state(*best).field->metrics;
-        return "Most of the target is seen through " + planner::spoken_name(model.approach(*best)) + " ("
-            + percent(field.seen_best_eye) + "). What else counts stands in the comparison of the numbers.";
+        std::string text = "Most of the target is seen through " + planner::spoken_name(model.approach(*best)) + " ("
+            + percent(field.seen_best_eye) + ").";
+        if (model.decisions().choices.empty())
+            return text + " Nothing is chosen yet.";
+        const planner::Choice& choice = model.decisions().choices.back();
+        return text + " "
+            + planner::choice_sentence(choice, planner::chosen_name(model.planned_case(), choice));
     }
 
 } // namespace

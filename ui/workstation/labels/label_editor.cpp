@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace retractor::ui {
@@ -16,6 +17,32 @@ namespace retractor::ui {
 namespace {
 
     constexpr int kSmoothVoxels = 1;
+
+    /// The voxel of a label that is nearest to its centre: of a bent structure the centre itself lies beside it.
+    std::optional<Vec3> middle_voxel(const mesh::LabelVolume& labels, Label label)
+    {
+        Vec3 sum = Vec3::Zero();
+        double count = 0.0;
+        mesh::visit_voxels(labels, [&](int i, int j, int k, Label here) {
+            if (here == label) {
+                sum += Vec3(i, j, k);
+                count += 1.0;
+            }
+        });
+        if (!(count > 0.0))
+            return std::nullopt;
+        const Vec3 centre = sum / count;
+        Vec3 nearest = centre;
+        double least = std::numeric_limits<double>::infinity();
+        mesh::visit_voxels(labels, [&](int i, int j, int k, Label here) {
+            const double distance = here == label ? (Vec3(i, j, k) - centre).squaredNorm() : least;
+            if (distance < least) {
+                least = distance;
+                nearest = Vec3(i, j, k);
+            }
+        });
+        return labels.grid.world(nearest);
+    }
 
     /// A circle of this many pixels across; an empty one is the usual pointer.
     QCursor circle_cursor(double across_px)
@@ -43,6 +70,7 @@ LabelEditor::LabelEditor(PictureView& view, LabelPanel& panel, QWidget& window)
     , tool_(view)
 {
     panel_.on_state = [this] { show_state(); };
+    panel_.on_click = [this] { show_chosen(); };
     panel_.on_action = [this](LabelPanel::Action action) { act(action); };
     tool_.on_edit = [this] { on_labels(); };
     tool_.on_refusal = [this](const QString& text) { on_message(text); };
@@ -124,6 +152,16 @@ void LabelEditor::show_state()
             state.label = info->id;
             tool_.set_state(state);
         }
+}
+
+/// Shows where the chosen label lies.
+void LabelEditor::show_chosen()
+{
+    const mesh::LabelInfo* info = session_ == nullptr ? nullptr : mesh::find_label(session_->table(), panel_.chosen());
+    if (info == nullptr)
+        return;
+    if (const auto place = middle_voxel(*session_->labels(), info->id))
+        on_place(*place);
 }
 
 void LabelEditor::undo()

@@ -43,6 +43,7 @@ public:
     std::function<void()> on_labels; ///< the labels to show are others
     /// The case and its labels are to be written.
     std::function<void(planner::Case, std::shared_ptr<const mesh::LabelVolume>)> on_save;
+    std::function<void(const Vec3&)> on_place; ///< a place to show, mm LPS
     std::function<void(const QString&)> on_message;
     std::function<void(const Failure&)> on_failure;
 
@@ -50,6 +51,7 @@ private:
     void act(LabelPanel::Action action);
     void save();
     void show_state();
+    void show_chosen();
     /// Calls `change`; a refusal is shown.
     void attempt(const std::function<void(planner::LabelSession&)>& change);
     std::optional<std::string> ask_for_label(const QString& title, const QString& question, const std::string& not_this);

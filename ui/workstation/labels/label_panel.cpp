@@ -112,6 +112,7 @@ LabelPanel::LabelPanel(QWidget* parent)
         if (!showing_)
             on_state();
     });
+    connect(list_, &QListWidget::itemClicked, this, [this] { on_click(); });
     connect(actions_, &QButtonGroup::idClicked, this,
         [this](int action) { on_action(static_cast<Action>(action)); });
     show_size();

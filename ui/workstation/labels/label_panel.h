@@ -36,6 +36,7 @@ public:
     // Set by the owner.
     std::function<void()> on_state; ///< state() is another one
     std::function<void(Action)> on_action;
+    std::function<void()> on_click; ///< a label was clicked in the list: show where it lies
 
     QListWidget& list() { return *list_; }
     QSlider& size() { return *size_; }

@@ -111,10 +111,13 @@ void ApproachList::show_model(const SessionModel& model)
     for (int row = 0; row < count(); ++row) {
         const auto index = static_cast<std::size_t>(row);
         const QString detail = detail_of(model, index);
-        item(row)->setText(QString::fromStdString(planner::spoken_name(model.approach(index))));
+        const bool chosen = model.approach(index).name == model.chosen_approach();
+        item(row)->setText(
+            (chosen ? "✓ " : "") + QString::fromStdString(planner::spoken_name(model.approach(index))));
         item(row)->setData(kDetailRole, detail);
         item(row)->setData(kColorRole, color_of(model.state(index)));
-        item(row)->setToolTip(QString::fromStdString(model.approach(index).name) + ": " + detail);
+        item(row)->setToolTip(QString::fromStdString(model.approach(index).name) + ": " + detail
+            + (chosen ? "; chosen by " + QString::fromStdString(model.decisions().choices.back().by) : QString()));
     }
     setCurrentRow(model.selected() ? static_cast<int>(*model.selected()) : -1);
 }

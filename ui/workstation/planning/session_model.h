@@ -5,6 +5,7 @@
 
 #include "mesh/base/error.h"
 #include "planner/case/case.h"
+#include "planner/decision/decisions.h"
 #include "planner/measures/field_metrics.h"
 #include "ui/scene/measurement.h"
 #include "ui/scene/scene.h"
@@ -18,6 +19,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace retractor::ui {
@@ -171,6 +173,15 @@ public:
 
     /// Does nothing when the approach is planned or waiting.
     void request_plan(std::size_t index);
+    /// What the team decided on this case.
+    void set_decisions(planner::Decisions decisions) { decisions_ = std::move(decisions); }
+    const planner::Decisions& decisions() const { return decisions_; }
+    /// The approach that is chosen now, by its name in the case; empty: none.
+    std::string chosen_approach() const
+    {
+        return decisions_.choices.empty() ? std::string() : decisions_.choices.back().approach;
+    }
+
     /// Withdraws all requests; the running plan stops at its next chance.
     void cancel();
     bool busy() const { return planning_.has_value(); }
@@ -256,6 +267,7 @@ private:
     std::size_t grey_window_ = 0;
     std::shared_ptr<const mesh::LabelVolume> corrected_;
     LabelLook label_look_ = LabelLook::filled;
+    planner::Decisions decisions_;
     std::optional<std::size_t> alone_;
     std::vector<Measurement> measurements_;
     std::deque<std::size_t> waiting_; ///< ids

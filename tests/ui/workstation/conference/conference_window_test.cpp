@@ -13,17 +13,25 @@
 
 #include <gtest/gtest.h>
 
+#include <QApplication>
+#include <QDialog>
+#include <QLineEdit>
 #include <QMenuBar>
+#include <QPlainTextEdit>
 #include <QPushButton>
+#include <QRadioButton>
 #include <QTest>
 #include <QTextBlock>
 #include <QTextBrowser>
+#include <QTimer>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace retractor::ui {
@@ -122,6 +130,77 @@ namespace conference_window_test {
         press(Qt::Key_Right);
         press(Qt::Key_End);
         EXPECT_EQ(title(), "The patient");
+    }
+
+    /// Fills in the dialog that opens next.
+    void fill_next_dialog(MainWindow& window, std::function<void(QDialog&)> fill)
+    {
+        QTimer::singleShot(0, &window, [fill = std::move(fill)] {
+            auto* dialog = qobject_cast<QDialog*>(QApplication::activeModalWidget());
+            ASSERT_NE(dialog, nullptr);
+            fill(*dialog);
+        });
+    }
+
+    QPushButton* button_of(QDialog& dialog, const QString& text)
+    {
+        for (QPushButton* button : dialog.findChildren<QPushButton*>())
+            if (button->text() == text)
+                return button;
+        return nullptr;
+    }
+
+    TEST_F(ConferenceTest, ChoicesAndAnswersAreKept)
+    {
+        const test_support::TemporaryFolder folder;
+        test_support::show_window(window_);
+        planner::Case planned_case = test_support::synthetic_case();
+        planned_case.folder = folder.path;
+        window_.open(planned_case);
+        test_support::wait_until_idle(window_);
+        plan("lateral");
+        fill_next_dialog(window_, [](QDialog& dialog) {
+            QPushButton* choose = button_of(dialog, "Choose");
+            ASSERT_NE(choose, nullptr);
+            EXPECT_FALSE(choose->isEnabled()) << "nobody and no reason is named";
+            QTest::keyClicks(dialog.findChild<QLineEdit*>("by"), "Team A");
+            QTest::keyClicks(dialog.findChild<QPlainTextEdit*>("why"), "shortest way");
+            EXPECT_TRUE(choose->isEnabled());
+            QTest::mouseClick(choose, Qt::LeftButton);
+        });
+        press(Qt::Key_C, Qt::ShiftModifier);
+        EXPECT_EQ(window_.error_line(), "");
+        EXPECT_EQ(window_.model()->chosen_approach(), "lateral");
+        EXPECT_TRUE(window_.approach_list().item(1)->text().startsWith("✓"));
+        EXPECT_FALSE(window_.approach_list().item(0)->text().startsWith("✓"));
+        fill_next_dialog(window_, [](QDialog& dialog) {
+            QPushButton* keep = button_of(dialog, "Keep the answers");
+            ASSERT_NE(keep, nullptr);
+            EXPECT_EQ(dialog.findChild<QLineEdit*>("by")->text(), "Team A") << "as before";
+            for (const planner::Question& question : planner::kQuestions) {
+                EXPECT_FALSE(keep->isEnabled());
+                dialog.findChild<QRadioButton*>(QString(question.key) + "4")->click();
+            }
+            QTest::mouseClick(keep, Qt::LeftButton);
+        });
+        press(Qt::Key_Q, Qt::ShiftModifier);
+        EXPECT_NE(window_.message_line().find("1 person answered: 3D shape 4.0"), std::string::npos)
+            << window_.message_line();
+        const planner::Decisions kept = planner::read_decisions(planner::decisions_file(planned_case));
+        ASSERT_EQ(kept.choices.size(), 1U);
+        EXPECT_EQ(kept.choices[0].by, "Team A");
+        EXPECT_EQ(kept.choices[0].why, "shortest way");
+        EXPECT_FALSE(kept.choices[0].when.empty());
+        ASSERT_EQ(kept.answers.size(), 1U);
+        EXPECT_EQ(kept.answers[0].points.front(), 4);
+        // Opened again it is still chosen.
+        window_.open(planned_case);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(window_.model()->chosen_approach(), "lateral");
+        // A dialog that is closed decides nothing.
+        fill_next_dialog(window_, [](QDialog& dialog) { dialog.reject(); });
+        press(Qt::Key_C, Qt::ShiftModifier);
+        EXPECT_EQ(planner::read_decisions(planner::decisions_file(planned_case)).choices.size(), 1U);
     }
 
     TEST_F(ConferenceTest, ADoubleClickLetsOnePictureFillTheView)

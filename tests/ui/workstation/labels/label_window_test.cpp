@@ -173,6 +173,20 @@ namespace label_window_test {
             [&] { return window_.view().scenes().front().slices.front().point.z() != before; }, test_support::kPatienceMs));
     }
 
+    TEST_F(LabelWindowTest, AClickOnALabelShowsWhereItLies)
+    {
+        open_labels();
+        QListWidget& list = window_.label_panel().list();
+        const QRect row = list.visualItemRect(list.item(1));
+        QTest::mouseClick(list.viewport(), Qt::LeftButton, {}, row.center());
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(window_.label_panel().chosen(), "aneurysm");
+        // The vessel of the block: i from 20 to 29, j from 16 to 23, voxels of 2 mm.
+        const Vec3 place = *window_.model()->slice_place();
+        EXPECT_NEAR(place.x(), 49.0, 2.0);
+        EXPECT_NEAR(place.y(), 39.0, 2.0);
+    }
+
     TEST_F(LabelWindowTest, SavedLabelsAreThoseOfTheCase)
     {
         open_labels();

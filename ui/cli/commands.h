@@ -20,6 +20,8 @@ void add_render_command(Commands& commands);
 void add_compare_command(Commands& commands);
 /// Searches for incisions.
 void add_search_command(Commands& commands);
+/// Proposes ports.
+void add_ports_command(Commands& commands);
 /// Plans many approaches.
 void add_batch_command(Commands& commands);
 /// Plans a case with many values of tissue stiffness.

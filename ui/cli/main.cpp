@@ -20,6 +20,7 @@ void add_commands(retractor::ui::cli::Commands& commands)
     add_render_command(commands);
     add_compare_command(commands);
     add_search_command(commands);
+    add_ports_command(commands);
     add_batch_command(commands);
     add_sensitivity_command(commands);
     add_decision_commands(commands);

@@ -356,9 +356,9 @@ namespace import_test {
             = run("--json --profile render " + case_file + " --views slices,overview" + size);
         ASSERT_EQ(render.exit_code, 0);
         ASSERT_EQ(render.json().at("pictures").size(), 2u);
-        for (const Json& picture : render.json().at("pictures"))
+        for (const Json document = render.json(); const Json& picture : document.at("pictures"))
             EXPECT_GT(fs::file_size(picture.at("file").get<std::string>()), 3000u);
-        for (const Json& part : render.json().at("profile"))
+        for (const Json document = render.json(); const Json& part : document.at("profile"))
             EXPECT_NE(part.at("part"), "tetrahedra");
         EXPECT_EQ(run("render " + case_file + " --views slices --target 0,40,0,8" + size).exit_code, 0);
         EXPECT_EQ(run("render " + case_file + " --views slices --target nobody" + size).exit_code, 2);

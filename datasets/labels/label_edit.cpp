@@ -88,9 +88,8 @@ namespace {
     Mask mask_of(const mesh::LabelVolume& labels, const Box& box, Label label)
     {
         Mask mask(box.extent(labels.grid).voxel_count(), 0);
-        visit_box(labels.grid, box, [&](std::size_t at, std::size_t inside) {
-            mask[inside] = labels.voxels[at] == label ? 1 : 0;
-        });
+        visit_box(labels.grid, box,
+            [&](std::size_t at, std::size_t inside) { mask[inside] = labels.voxels[at] == label ? 1 : 0; });
         return mask;
     }
 
@@ -149,8 +148,8 @@ namespace {
                         ++votes[label];
                 });
                 if (!votes.empty())
-                    layer.emplace_back(voxel,
-                        std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) {
+                    layer.emplace_back(
+                        voxel, std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) {
                             return a.second < b.second;
                         })->first);
             }
@@ -180,7 +179,8 @@ namespace {
         constexpr double kAlong = 0.9999; // cosine
         const int axis = nearest_axis(grid, normal);
         if (std::abs(grid.direction.col(axis).dot(normal)) > kAlong) {
-            const auto layer = std::lround(std::clamp(grid.index(place)[axis], -2.0, grid.size[static_cast<std::size_t>(axis)] + 1.0));
+            const auto layer = std::lround(
+                std::clamp(grid.index(place)[axis], -2.0, grid.size[static_cast<std::size_t>(axis)] + 1.0));
             return [axis, layer](const std::array<int, 3>& at, const Vec3&) {
                 return at[static_cast<std::size_t>(axis)] == layer;
             };
@@ -240,13 +240,18 @@ std::vector<std::size_t> voxels_under(const mesh::ImageGrid& grid, const BrushSt
     for (const Vec3& place : stroke.path) {
         if (!place.allFinite())
             throw InputError("a place of a stroke is not a finite number of mm", "path");
+        if (stroke.normal
+            && std::abs((place - stroke.path.front()).dot(*stroke.normal))
+                > 0.5 * grid.spacing[nearest_axis(grid, *stroke.normal)])
+            throw InputError(
+                "the places of a disc lie in different slices: paint one slice at a time, or a ball", "path");
         const Vec3 at = grid.index(place), reach = Vec3::Constant(stroke.radius_mm).cwiseQuotient(grid.spacing);
         for (const double sign : { -1.0, 1.0 }) {
             std::array<int, 3> corner {};
             for (std::size_t a = 0; a < 3; ++a) {
                 const auto axis = static_cast<Eigen::Index>(a);
-                corner[a] = static_cast<int>(
-                    std::clamp(std::round(at[axis] + sign * reach[axis]), -2.0, grid.size[a] + 1.0));
+                corner[a]
+                    = static_cast<int>(std::clamp(std::round(at[axis] + sign * reach[axis]), -2.0, grid.size[a] + 1.0));
             }
             box.take(corner);
         }
@@ -282,8 +287,7 @@ std::vector<std::size_t> voxels_under(const mesh::ImageGrid& grid, const BrushSt
     return found;
 }
 
-LabelEdit painted(
-    const mesh::LabelVolume& labels, const BrushStroke& stroke, Label with, const mesh::LabelFlags& kept)
+LabelEdit painted(const mesh::LabelVolume& labels, const BrushStroke& stroke, Label with, const mesh::LabelFlags& kept)
 {
     check_label(labels, with);
     LabelEdit edit { .what = "paint " + name_of(labels, with), .voxels = {}, .before = {}, .after = {} };
@@ -345,8 +349,8 @@ LabelEdit smoothed(const mesh::LabelVolume& labels, Label label, int radius_voxe
     if (box.empty())
         return edit;
     box = box.grown(radius_voxels, labels.grid);
-    const Mask smooth = segmentation::majority(
-        box.extent(labels.grid), mask_of(labels, box, label), radius_voxels, kThreads);
+    const Mask smooth
+        = segmentation::majority(box.extent(labels.grid), mask_of(labels, box, label), radius_voxels, kThreads);
     std::vector<std::size_t> lost;
     visit_box(labels.grid, box, [&](std::size_t at, std::size_t inside) {
         const Label here = labels.voxels[at];
@@ -418,9 +422,10 @@ LabelEdit joined(const mesh::LabelVolume& labels, Label from, Label to)
 {
     check_label(labels, from);
     check_label(labels, to);
-    LabelEdit edit {
-        .what = "join " + name_of(labels, from) + " with " + name_of(labels, to), .voxels = {}, .before = {}, .after = {}
-    };
+    LabelEdit edit { .what = "join " + name_of(labels, from) + " with " + name_of(labels, to),
+        .voxels = {},
+        .before = {},
+        .after = {} };
     if (from == 0)
         throw InputError("voxels without a label cannot be joined with one");
     for (std::size_t voxel = 0; voxel < labels.voxels.size(); ++voxel)

@@ -25,8 +25,8 @@ void make_edit(mesh::LabelVolume& labels, const LabelEdit& edit);
 /// Gives the voxels their labels from before the edit. @pre make_edit() was called
 void take_back(mesh::LabelVolume& labels, const LabelEdit& edit);
 
-/// The way of a brush. Without a normal the brush is a ball; with one it is a disc in the slice through each place of
-/// the path, as thick as a voxel.
+/// The way of a brush. Without a normal the brush is a ball; with one it is a disc in the slice in which the path lies,
+/// as thick as a voxel.
 struct BrushStroke {
     std::vector<Vec3> path; ///< at least one place; straight between places
     double radius_mm = 0.0;
@@ -35,12 +35,11 @@ struct BrushStroke {
 
 /// The voxels whose centres the brush meets, in memory order. The voxel under a place counts even where the brush is
 /// smaller than a voxel.
-/// @throws InputError on an empty path, a radius that is not above 0, or NaN
+/// @throws InputError on an empty path, a radius that is not above 0, NaN, or a disc's path through several slices
 std::vector<std::size_t> voxels_under(const mesh::ImageGrid& grid, const BrushStroke& stroke);
 
 /// Gives voxels the label `with`; labels flagged in `kept` stay.
-LabelEdit painted(
-    const mesh::LabelVolume& labels, const BrushStroke& stroke, Label with, const mesh::LabelFlags& kept);
+LabelEdit painted(const mesh::LabelVolume& labels, const BrushStroke& stroke, Label with, const mesh::LabelFlags& kept);
 /// Takes a label away. Its voxels get the label of the nearest other voxel; deep inside the label, none.
 LabelEdit erased(const mesh::LabelVolume& labels, const BrushStroke& stroke, Label label);
 /// Gives the connected region of equal labels round a place, in one slice, another label.

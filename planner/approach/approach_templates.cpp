@@ -251,8 +251,7 @@ namespace {
     void place_median(const BodyProbe& probe, const Anatomy& anatomy, Approach& approach)
     {
         const SternumAxis& sternum = anatomy.sternum;
-        incise_sternum(
-            probe, anatomy, (sternum.top - sternum.bottom).dot(sternum.axis) + kBeyondSternumMm, approach);
+        incise_sternum(probe, anatomy, (sternum.top - sternum.bottom).dot(sternum.axis) + kBeyondSternumMm, approach);
         const std::size_t omitted = measure_wall(probe, approach);
         approach.rationale = "Full median sternotomy: the midline of the sternum, found in its label, from "
             + in_words(kBeyondSternumMm) + " mm above the notch to " + in_words(kBeyondSternumMm)
@@ -275,8 +274,8 @@ namespace {
             const Vec3& front = find_rib(anatomy, left, number).points.back();
             const double below = (sternum.top - front).dot(sternum.axis);
             level.below_notch_mm += 0.5 * below;
-            level.by_cartilage = level.by_cartilage
-                && std::abs((front - sternum.top).dot(anatomy.frame.left)) < kCartilageMm;
+            level.by_cartilage
+                = level.by_cartilage && std::abs((front - sternum.top).dot(anatomy.frame.left)) < kCartilageMm;
         }
         return level;
     }
@@ -305,14 +304,16 @@ namespace {
                                           : DivisionExtent::sternum_right;
         approach.template_name = parsed.kind + ":" + std::to_string(space);
         const std::size_t omitted = measure_wall(probe, approach);
-        approach.rationale = std::string("Upper hemisternotomy, ") + (across ? "T" : left ? "J to the left" : "J")
+        approach.rationale = std::string("Upper hemisternotomy, ")
+            + (across      ? "T"
+                    : left ? "J to the left"
+                           : "J")
             + ": the midline of the sternum from " + in_words(kBeyondSternumMm) + " mm above the notch to the level of "
-            + (across     ? "both intercostal spaces " + std::to_string(space)
-                    : space_name(left, space))
-            + ", " + in_words(level.below_notch_mm) + " mm below the notch"
+            + (across ? "both intercostal spaces " + std::to_string(space) : space_name(left, space)) + ", "
+            + in_words(level.below_notch_mm) + " mm below the notch"
             + (level.by_cartilage ? "" : " by the front ends of the bony ribs, because their cartilages have no labels")
             + "; there the saw turns under the skin "
-            + (across     ? "to both edges of the sternum."
+            + (across      ? "to both edges of the sternum."
                     : left ? "to the sternum's left edge."
                            : "to the sternum's right edge.")
             + " The skin is cut as far as the bone is sawn; in theatre a shorter cut is moved over the bone."

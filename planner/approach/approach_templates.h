@@ -4,19 +4,23 @@
 //
 // - median: full sternotomy. The incision follows the sternum's midline from 10 mm above the notch to 10 mm below the
 //   xiphoid. The blade is square to the sternum and saws it through.
-// - hemisternotomy-j[:N], hemisternotomy-j-left[:N], hemisternotomy-t[:N]: upper hemisternotomy. The incision follows the
-//   sternum's midline from 10 mm above the notch to the level of space N (the 4th by default), where the saw turns under
-//   the skin: to the right edge (J), to the left one, or to both (T) [Onan 2020, doi 10.5606/tgkdc.dergisi.2020.19614].
+// - hemisternotomy-j[:N], hemisternotomy-j-left[:N], hemisternotomy-t[:N]: upper hemisternotomy. The incision follows
+// the
+//   sternum's midline from 10 mm above the notch to the level of space N (the 4th by default), where the saw turns
+//   under the skin: to the right edge (J), to the left one, or to both (T) [Onan 2020,
+//   doi 10.5606/tgkdc.dergisi.2020.19614].
 // - intercostal:N: thoracotomy in the middle between rib N and rib N+1, lateral, 170 mm long, on the left unless the
 //   request says otherwise.
 // - distal[:N]: left posterolateral thoracotomy for the distal arch and the descending aorta, 160 mm long, in space N
 //   (the 6th by default). The incision lies between the back muscles and the side, where it faces the target.
 // - midcab[:N]: left anterior mini-thoracotomy, 70 mm long, centred over the target. The space is N, or whichever of
 //   the 4th and 5th is nearer to the target.
-// - right-anterior[:N]: right anterior mini-thoracotomy for the aortic valve, 60 mm long, where space N, or the nearer of
+// - right-anterior[:N]: right anterior mini-thoracotomy for the aortic valve, 60 mm long, where space N, or the nearer
+// of
 //   the 2nd and 3rd, faces the target. Surgeons choose it where more than half of the ascending aorta lies right of the
 //   sternum's edge, less than 100 mm from the chest wall [Gilmanov 2013, Ann Thorac Surg 96:837].
-// - right-lateral[:N]: right lateral mini-thoracotomy for mitral and tricuspid valve, 70 mm long, in space N (the 4th by
+// - right-lateral[:N]: right lateral mini-thoracotomy for mitral and tricuspid valve, 70 mm long, in space N (the 4th
+// by
 //   default), centred about the anterior axillary line [Onan 2020, doi 10.5606/tgkdc.dergisi.2020.19614].
 //
 // The templates between ribs divide intercostal muscle and pleura beyond the skin incision, as surgeons do to spread

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace retractor::planner {
 
@@ -29,6 +30,14 @@ void find_division(Approach& approach, Patient& patient)
         find_sternum_division(approach, *patient.labels(), *anatomy);
     else
         find_space_division(approach, *patient.labels(), *anatomy);
+}
+
+void set_division(Approach& approach, const Division& division)
+{
+    approach.division = division;
+    if (divides_sternum(division.extent))
+        for (const char* sawn : { "sternum", "bone_other" })
+            std::erase(approach.uncut_labels, sawn);
 }
 
 } // namespace retractor::planner

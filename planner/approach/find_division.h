@@ -11,4 +11,8 @@ namespace retractor::planner {
 /// are looked for only where they are needed. Landmarks that are missing are a reason in words.
 void find_division(Approach& approach, Patient& patient);
 
+/// Gives an approach another division. Where it divides the sternum, the blade saws the sternum too, and calcified
+/// cartilage without a name of its own.
+void set_division(Approach& approach, const Division& division);
+
 } // namespace retractor::planner

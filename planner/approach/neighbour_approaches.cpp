@@ -10,11 +10,13 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace retractor::planner {
@@ -189,17 +191,42 @@ namespace {
         return neighbour;
     }
 
+    /// The hemisternotomy of the approach's template in a space.
+    Approach hemisternotomy(const Surroundings& around, const Approach& approach, int number)
+    {
+        ApproachRequest request;
+        request.template_name = kind_of(approach) + ":" + std::to_string(number);
+        request.target = approach.target;
+        request.sizing = approach.sizing;
+        request.view = approach.view;
+        return approach_from_template(*around.labels, *around.anatomy, request);
+    }
+
+    /// The space in which a hemisternotomy turns; nothing where its incision was moved, or its template names none.
+    std::optional<int> hemisternotomy_space(const Surroundings& around, const Approach& approach)
+    {
+        const std::string text
+            = approach.template_name.substr(std::min(approach.template_name.size(), kind_of(approach).size() + 1));
+        int number = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+        if (!around.anatomy || error != std::errc {} || end != text.data() + text.size())
+            return std::nullopt;
+        try {
+            const Approach again = hemisternotomy(around, approach, number);
+            const bool same = (again.incision.front() - approach.incision.front()).norm() < kSamePlaceMm
+                && (again.incision.back() - approach.incision.back()).norm() < kSamePlaceMm;
+            return same ? std::optional(number) : std::nullopt;
+        } catch (const InputError&) {
+            return std::nullopt;
+        }
+    }
+
     /// A hemisternotomy whose saw turns in another space.
     NeighbourApproach hemisternotomy_at(const Surroundings& around, const Approach& approach, int own, int number)
     {
         const bool higher = number < own;
         NeighbourApproach neighbour = tried(higher ? "one space higher" : "one space lower", [&] {
-            ApproachRequest request;
-            request.template_name = kind_of(approach) + ":" + std::to_string(number);
-            request.target = approach.target;
-            request.sizing = approach.sizing;
-            request.view = approach.view;
-            const Approach placed = approach_from_template(*around.labels, *around.anatomy, request);
+            const Approach placed = hemisternotomy(around, approach, number);
             Approach moved = with_incision_of(approach, placed);
             moved.template_name = placed.template_name;
             return moved;
@@ -253,9 +280,9 @@ std::vector<NeighbourApproach> neighbours_of(Patient& patient, const Approach& a
     } catch (const InputError&) { // no landmarks: an incision has neighbours along itself
     }
     if (const std::string kind = kind_of(approach); kind.starts_with("hemisternotomy")) {
-        if (around.anatomy && approach.template_name.size() > kind.size() + 1)
-            for (const int own = std::stoi(approach.template_name.substr(kind.size() + 1)); const int step : { -1, 1 })
-                neighbours.push_back(hemisternotomy_at(around, approach, own, own + step));
+        if (const std::optional<int> own = hemisternotomy_space(around, approach))
+            for (const int step : { -1, 1 })
+                neighbours.push_back(hemisternotomy_at(around, approach, *own, *own + step));
         return neighbours;
     }
     const bool by_template = is_where_its_template_puts_it(around, approach);

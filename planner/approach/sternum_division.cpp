@@ -51,8 +51,8 @@ namespace {
     }
 
     /// The sternum below a point, along the blade's direction.
-    std::optional<Layer> sternum_below(const mesh::LabelVolume& labels, Label sternum, const Vec3& from,
-        const Vec3& inward)
+    std::optional<Layer> sternum_below(
+        const mesh::LabelVolume& labels, Label sternum, const Vec3& from, const Vec3& inward)
     {
         std::optional<Layer> found;
         for (double t = 0.0; t <= kBehindBoneMm; t += kSampleMm)
@@ -123,12 +123,18 @@ namespace {
         return stroke;
     }
 
+    bool is_uncut(const Approach& approach, const std::string& label)
+    {
+        return std::ranges::find(approach.uncut_labels, label) != approach.uncut_labels.end();
+    }
+
     /// What the saw severs: the sternum, and the soft tissue of the wall but its skin.
-    std::vector<std::string> severed_names(const mesh::LabelTable& table)
+    std::vector<std::string> severed_names(const mesh::LabelTable& table, const Approach& approach)
     {
         std::vector<std::string> names;
         for (const mesh::LabelInfo& info : table)
-            if (mesh::is_wall(info) && info.material != "skin" && (info.name == "sternum" || !mesh::is_skeleton(info)))
+            if (mesh::is_wall(info) && info.material != "skin" && (info.name == "sternum" || !mesh::is_skeleton(info))
+                && !is_uncut(approach, info.name))
                 names.push_back(info.name);
         return names;
     }
@@ -142,6 +148,10 @@ void find_sternum_division(Approach& approach, const mesh::LabelVolume& labels, 
     division.words.clear();
     if (!divides_sternum(division.extent))
         return;
+    if (is_uncut(approach, "sternum")) {
+        division.words = "this approach leaves the sternum whole: nothing is divided beyond the skin";
+        return;
+    }
     const mesh::LabelInfo* sternum = mesh::find_label(labels.table, "sternum");
     const LowerEnd end = lower_end(approach, anatomy);
     const BodyProbe probe(labels);
@@ -158,7 +168,7 @@ void find_sternum_division(Approach& approach, const mesh::LabelVolume& labels, 
             return;
         }
         division.strokes.push_back(stroke_of(passages, end, way));
-        division.strokes.back().severs = severed_names(labels.table);
+        division.strokes.back().severs = severed_names(labels.table, approach);
         ways += formatted("%s to %.0f mm beyond its %s edge (%.0f mm)", ways.empty() ? "" : " and",
             kBeyondSternumEdgeMm, std::string(to_string(way)).c_str(), division.strokes.back().length_mm);
     }

@@ -13,8 +13,9 @@ namespace retractor::planner {
 inline constexpr double kBeyondSternumEdgeMm = 4.0;
 
 /// Fills Division::strokes and Division::words of an approach that divides the sternum; clears them otherwise. Where no
-/// sternum lies under the incision's lower end, there are no strokes, and the words tell the reason. The strokes sever
-/// the sternum and the soft tissue behind its outer side; skin, ribs and cartilages stay whole.
+/// sternum lies under the incision's lower end, or the approach leaves the sternum whole (Approach::uncut_labels),
+/// there are no strokes, and the words tell the reason. The strokes sever the sternum and the soft tissue behind its
+/// outer side; skin, ribs and cartilages stay whole.
 void find_sternum_division(Approach& approach, const mesh::LabelVolume& labels, const Anatomy& anatomy);
 
 } // namespace retractor::planner

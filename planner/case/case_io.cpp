@@ -492,8 +492,8 @@ namespace {
         }
         static void read(const Node& node, DivisionExtent& extent)
         {
-            extent = known(
-                node, division_extent_from_string(node.text()), "unknown \"" + node.text() + "\": use skin, full, sternum-right, sternum-left or sternum-across");
+            extent = known(node, division_extent_from_string(node.text()),
+                "unknown \"" + node.text() + "\": use skin, full, sternum-right, sternum-left or sternum-across");
         }
         template <class T> static T known(const Node& node, const std::optional<T>& value, const std::string& refusal)
         {

@@ -35,8 +35,8 @@ enum class StrokeWay { forwards, backwards, right, left };
 /// "forwards", "backwards", "right" or "left".
 std::string_view to_string(StrokeWay way);
 
-/// One stroke beyond an end of the incision. The blade lies inside the chest and cuts outwards, as far as the outer side
-/// of the bones: whatever covers them stays whole.
+/// One stroke beyond an end of the incision. The blade lies inside the chest and cuts outwards, as far as the outer
+/// side of the bones: whatever covers them stays whole.
 struct DivisionStroke {
     StrokeWay way = StrokeWay::forwards;
     std::vector<std::string> severs {}; ///< labels that the stroke severs

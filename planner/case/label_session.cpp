@@ -46,9 +46,28 @@ bool LabelSession::is_estimated(const std::string& name) const { return planner:
 
 mesh::LabelVolume& LabelSession::writable()
 {
-    if (labels_.use_count() > 1) // a picture holds it
-        labels_ = std::make_shared<mesh::LabelVolume>(*labels_);
+    if (labels_.use_count() == 1)
+        return *labels_;
+    // A picture holds the present state: go on in the spare one, or in a copy.
+    if (spare_ != nullptr && spare_.use_count() == 1) {
+        for (const std::size_t voxel : behind_)
+            spare_->voxels[voxel] = labels_->voxels[voxel];
+        spare_->table = labels_->table;
+    } else
+        spare_ = std::make_shared<mesh::LabelVolume>(*labels_);
+    std::swap(labels_, spare_);
+    behind_.clear();
     return *labels_;
+}
+
+void LabelSession::note_changes(const Step& step)
+{
+    for (const datasets::LabelEdit& edit : step.edits)
+        behind_.insert(behind_.end(), edit.voxels.begin(), edit.voxels.end());
+    if (behind_.size() > labels_->voxels.size()) { // a copy is cheaper
+        spare_.reset();
+        behind_.clear();
+    }
 }
 
 void LabelSession::take(Step step)
@@ -57,20 +76,49 @@ void LabelSession::take(Step step)
     done_.push_back(std::move(step));
 }
 
-bool LabelSession::edit(const MakeEdit& make, bool goes_on)
+bool LabelSession::edit(const MakeEdit& make, Part part)
 {
+    if (done_.empty() || !undone_.empty()) // the step to go on with was taken back
+        part = Part::first;
+    if (part == Part::instead) {
+        move(done_.back(), false);
+        try {
+            datasets::LabelEdit made = make(*labels_);
+            const bool changes = !made.empty();
+            done_.pop_back();
+            if (!changes)
+                return false;
+            Step step { .what = made.what };
+            step.edits.push_back(std::move(made));
+            move(step, true);
+            done_.push_back(std::move(step));
+            return true;
+        } catch (...) {
+            if (!done_.empty())
+                move(done_.back(), true);
+            throw;
+        }
+    }
     datasets::LabelEdit made = make(*labels_);
     if (made.empty())
         return false;
-    datasets::make_edit(writable(), made);
-    if (goes_on && !done_.empty() && undone_.empty() && done_.back().what == made.what) {
-        done_.back().edits.push_back(std::move(made));
-        return true;
-    }
     Step step { .what = made.what };
     step.edits.push_back(std::move(made));
-    take(std::move(step));
+    move(step, true);
+    if (part == Part::more)
+        done_.back().edits.push_back(std::move(step.edits.front()));
+    else
+        take(std::move(step));
     return true;
+}
+
+std::size_t LabelSession::unlabelled_by_last() const
+{
+    std::size_t count = 0;
+    if (!done_.empty())
+        for (const datasets::LabelEdit& edit : done_.back().edits)
+            count += static_cast<std::size_t>(std::ranges::count(edit.after, Label { 0 }));
+    return count;
 }
 
 void LabelSession::correct(
@@ -90,7 +138,8 @@ void LabelSession::join(const std::string& name, const std::string& into)
 {
     Case tried = names_;
     join_label(tried, name, into); // refuses before voxels are looked for
-    correct("join " + readable(name) + " with " + readable(into),
+    correct(
+        "join " + readable(name) + " with " + readable(into),
         [name, into](Case& planned_case) { join_label(planned_case, name, into); },
         datasets::joined(*labels_, mesh::label_named(table(), name).id, mesh::label_named(table(), into).id));
 }
@@ -136,6 +185,7 @@ void LabelSession::move(Step& step, bool make_again)
     else
         for (auto edit = step.edits.rbegin(); edit != step.edits.rend(); ++edit)
             datasets::take_back(labels, *edit);
+    note_changes(step);
     if (step.correct) {
         names_ = make_again ? step.after : step.before;
         labels.table = names_.label_table;

@@ -1,11 +1,13 @@
 #pragma once
 // Labels of a case under correction, with undo: edits of voxels, and changes of names and marks. The case on disk stays
-// until its owner writes labels() and corrected() (write_corrected_labels()); another session begins then. Used from one thread; what labels() has handed out stays unchanged. Units mm; frame patient LPS.
+// until its owner writes labels() and corrected() (write_corrected_labels()); another session begins then. Used from
+// one thread; what labels() has handed out stays unchanged. Units mm; frame patient LPS.
 
 #include "datasets/labels/label_edit.h"
 #include "mesh/image/volume.h"
 #include "planner/case/case.h"
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -25,10 +27,17 @@ public:
     bool is_estimated(const std::string& name) const;
 
     using MakeEdit = std::function<datasets::LabelEdit(const mesh::LabelVolume&)>;
-    /// Makes an edit. @param goes_on whether the edit belongs to the last step, as the parts of a stroke do
-    /// @returns whether a voxel changed
+    /// How an edit stands to the last step, as the parts of a stroke do.
+    enum class Part {
+        first, ///< a step of its own
+        more, ///< belongs to the last step
+        instead, ///< takes the place of the last step
+    };
+    /// Makes an edit. @returns whether the labels are others than before the step
     /// @throws what `make` throws; nothing changes then
-    bool edit(const MakeEdit& make, bool goes_on = false);
+    bool edit(const MakeEdit& make, Part part = Part::first);
+    /// Number of voxels that the last step left without a label.
+    std::size_t unlabelled_by_last() const;
     /// As join_label(), rename_label() and confirm_label() of the case, with the voxels.
     /// @throws InputError as they do; nothing changes then
     void join(const std::string& name, const std::string& into);
@@ -47,7 +56,8 @@ public:
     bool changed() const { return !done_.empty(); }
 
     /// The corrections of names and marks for another state of the same case, whose approaches may have changed.
-    /// @throws InputError when they contradict the approaches that the case has now
+    /// write_corrected_labels() refuses what contradicts the approaches.
+    /// @throws InputError when a label of a correction is missing in that state
     Case corrected(Case planned_case) const;
 
 private:
@@ -58,6 +68,7 @@ private:
         Case before {}, after {}; ///< where `correct` is set: names and marks alone
     };
     mesh::LabelVolume& writable();
+    void note_changes(const Step& step);
     void take(Step step);
     /// @param make_again whether a step is made again, or else taken back
     void move(Step& step, bool make_again);
@@ -65,6 +76,9 @@ private:
     void correct(std::string what, std::function<void(Case&)> correct, std::optional<datasets::LabelEdit> edit = {});
 
     std::shared_ptr<mesh::LabelVolume> labels_;
+    /// An older state, so that a picture that holds labels_ costs no copy of all voxels; null: there is none.
+    std::shared_ptr<mesh::LabelVolume> spare_;
+    std::vector<std::size_t> behind_; ///< voxels in which spare_ may differ from labels_
     Case names_; ///< the case, with the corrections made so far
     std::vector<Step> done_, undone_;
 };

@@ -80,8 +80,9 @@ namespace {
         const AnnulusAccess& annulus = *metrics.annulus;
         if (!annulus.message.empty())
             return "No angle to the valve: " + annulus.message + ". ";
-        return formatted("The opening lies %.0f mm from the annulus, %.0f degrees off the valve's axis; the best eye looks "
-                         "along it at %.0f degrees. ",
+        return formatted(
+            "The opening lies %.0f mm from the annulus, %.0f degrees off the valve's axis; the best eye looks "
+            "along it at %.0f degrees. ",
             annulus.distance_mm, annulus.opening_off_axis_deg, annulus.sight_off_axis_deg);
     }
 
@@ -90,9 +91,9 @@ namespace {
         const std::string target = readable(metrics.target);
         if (metrics.reached_by_finger > 0.0)
             return "A finger touches " + percent(metrics.reached_by_finger) + ". ";
-        return metrics.finger_lacks_mm
-            ? formatted("A finger ends %.0f mm before the %s. ", std::max(1.0, *metrics.finger_lacks_mm), target.c_str())
-            : "No straight finger comes to the " + target + " through the opening. ";
+        return metrics.finger_lacks_mm ? formatted(
+                   "A finger ends %.0f mm before the %s. ", std::max(1.0, *metrics.finger_lacks_mm), target.c_str())
+                                       : "No straight finger comes to the " + target + " through the opening. ";
     }
 
     /// Names with their shares, the largest first.

@@ -42,10 +42,9 @@ namespace {
     {
         const std::string way(to_string(stroke.way));
         const bool sternum = stroke.way == StrokeWay::right || stroke.way == StrokeWay::left;
-        throw SolverError(sternum
-                ? "the sternum could not be sawn across to the " + way + ": " + why
+        throw SolverError(sternum ? "the sternum could not be sawn across to the " + way + ": " + why
                     + "; move the incision's lower end, or divide no more than the skin"
-                : "intercostal muscle and pleura could not be divided " + way + ": " + why
+                                  : "intercostal muscle and pleura could not be divided " + way + ": " + why
                     + "; give a shorter distance (" + way + "_mm of the division), or divide at skin length",
             "division/" + way);
     }
@@ -87,8 +86,7 @@ namespace {
 
 } // namespace
 
-mesh::CutOptions division_options(
-    const Approach& approach, const DivisionStroke& stroke, const mesh::LabelTable& table)
+mesh::CutOptions division_options(const Approach& approach, const DivisionStroke& stroke, const mesh::LabelTable& table)
 {
     mesh::CutOptions options;
     for (const mesh::LabelInfo& info : table)

@@ -1,7 +1,6 @@
 #pragma once
-// Divides intercostal muscle and pleura, or the sternum, beyond the ends of the skin incision, in a session that has made
-// the skin cut.
-// Units mm; frame patient LPS (rest configuration).
+// Divides intercostal muscle and pleura, or the sternum, beyond the ends of the skin incision, in a session that has
+// made the skin cut. Units mm; frame patient LPS (rest configuration).
 
 #include "mesh/base/job.h"
 #include "mesh/cutting/cut_session.h"

@@ -35,8 +35,8 @@ struct [[nodiscard]] PlannedCut {
 };
 /// @param options usually cut_options_of(approach, table)
 /// @throws InputError on a malformed blade; with where() "ablations/0" when an ablation finds nothing to remove; also
-/// the errors of the session's witness (IoError of a journal); SolverError as divide_beyond_skin() does. Cuts made before a
-/// failing stroke or ablation stay.
+/// the errors of the session's witness (IoError of a journal); SolverError as divide_beyond_skin() does. Cuts made
+/// before a failing stroke or ablation stay.
 PlannedCut cut_as_planned(mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table,
     const mesh::CutOptions& options, const Job& job = {});
 

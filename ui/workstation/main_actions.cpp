@@ -32,7 +32,8 @@ void MainWindow::make_actions()
     make_approach_actions(*menuBar()->addMenu("&Approach"));
     make_knife_actions(*menuBar()->addMenu("&Knife"));
     QMenu* help = menuBar()->addMenu("&Help");
-    add_action(*help, "Manual", QKeySequence::HelpContents, "Open the manual at what is shown", [this] { open_manual(); });
+    add_action(
+        *help, "Manual", QKeySequence::HelpContents, "Open the manual at what is shown", [this] { open_manual(); });
     add_action(*help, "Save the log…", {}, "What the window said, to be attached to a report of a fault",
         [this] { ask_for_log_file(); });
     add_action(*help, "About Retractor", {}, "Show the version and the licence", [this] { show_about(); });
@@ -136,8 +137,8 @@ void MainWindow::make_approach_actions(QMenu& menu)
         "Add the same approach one space higher and lower, and 20 mm along", [this] { editor_->add_neighbours(); });
     remove_ = add_action(menu, "Remove", QKeySequence::Delete, "Remove this approach", [this] { editor_->remove(); });
     menu.addSeparator();
-    choose_ = add_action(menu, "Choose…", QKeySequence("Shift+C"), "Record that the team chooses this approach, and why",
-        [this] { choose_approach(); });
+    choose_ = add_action(menu, "Choose…", QKeySequence("Shift+C"),
+        "Record that the team chooses this approach, and why", [this] { choose_approach(); });
     questions_ = add_action(menu, "Six questions…", QKeySequence("Shift+Q"),
         "Answer the questions about the planned field", [this] { ask_questions(); });
     menu.addSeparator();

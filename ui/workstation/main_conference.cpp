@@ -99,6 +99,19 @@ void MainWindow::set_conference(bool on)
     go_to_step(begins == steps_.end() ? 0 : static_cast<std::size_t>(begins - steps_.begin()));
 }
 
+void MainWindow::renew_steps()
+{
+    if (!in_conference() || !model_)
+        return;
+    const PresentationStep present = steps_[step_];
+    steps_ = presentation_of(*model_);
+    const auto same = std::find_if(steps_.begin(), steps_.end(), [&](const PresentationStep& step) {
+        return step.approach == present.approach && step.view == present.view && step.opened == present.opened;
+    });
+    step_ = same == steps_.end() ? 0 : static_cast<std::size_t>(same - steps_.begin());
+    conference_bar_->show_step(steps_[step_], step_ + 1, steps_.size());
+}
+
 void MainWindow::step_by(int steps)
 {
     const auto last = static_cast<int>(steps_.size()) - 1;

@@ -24,8 +24,8 @@
 #include "ui/workstation/view/theme.h"
 
 #include <QActionGroup>
-#include <QCoreApplication>
 #include <QCloseEvent>
+#include <QCoreApplication>
 #include <QDragEnterEvent>
 #include <QDropEvent>
 #include <QFileDialog>
@@ -122,7 +122,8 @@ bool MainWindow::may_leave_case(const QString& question)
             "Go on planning"))
         return false;
     if (labels_->changed()
-        && !may_lose(question, "The corrected labels are not saved. If you close now, the corrections are lost.", "Go back"))
+        && !may_lose(
+            question, "The corrected labels are not saved. If you close now, the corrections are lost.", "Go back"))
         return false;
     return not_saved_.empty()
         || may_lose(question,
@@ -269,7 +270,7 @@ void MainWindow::make_labels()
     labels_ = std::make_unique<LabelEditor>(*view_, *label_panel_, *this);
     labels_->present_case = [this] { return model_->planned_case(); };
     labels_->on_labels = [this] {
-        model_->set_corrected_labels(labels_->session()->labels());
+        show_corrected_labels();
         label_panel_->show_session(labels_->session(), {});
         if (slices_shown())
             show_slices();
@@ -283,6 +284,35 @@ void MainWindow::make_labels()
     labels_->on_failure = [this](const Failure& failure) { show_error(with_controls(failure)); };
 }
 
+/// Another program has changed the case: asks whether the labels go into the case as it is on disk now.
+void MainWindow::put_labels_into_changed_case(const std::shared_ptr<const mesh::LabelVolume>& labels)
+{
+    QMessageBox question(QMessageBox::Question, "Save labels",
+        "Another program has changed the case meanwhile. Put the corrected labels into the case as it is now? What you "
+        "changed in the approaches since then is not in it.",
+        QMessageBox::NoButton, this);
+    QPushButton* const put = question.addButton("Put them in", QMessageBox::AcceptRole);
+    question.setDefaultButton(question.addButton("Go back", QMessageBox::RejectRole));
+    question.exec();
+    if (question.clickedButton() != put || labels_->session() == nullptr)
+        return;
+    try {
+        const planner::Case present = planner::read_case(model_->planned_case().file());
+        save_labels(labels_->session()->corrected(present), labels, true);
+    } catch (...) {
+        show_error(with_controls(current_failure()));
+    }
+}
+
+/// Slices show the labels under correction while they are corrected, and until that is saved or discarded.
+void MainWindow::show_corrected_labels()
+{
+    if (!model_)
+        return;
+    const bool wanted = labels_->session() != nullptr && (labels_tab_open() || labels_->changed());
+    model_->set_corrected_labels(wanted ? labels_->session()->labels() : nullptr);
+}
+
 bool MainWindow::labels_tab_open() const { return tabs_->currentWidget() == label_panel_; }
 
 void MainWindow::correct_labels()
@@ -291,34 +321,40 @@ void MainWindow::correct_labels()
     show_all();
 }
 
-void MainWindow::save_labels(const planner::Case& corrected, const std::shared_ptr<const mesh::LabelVolume>& labels)
+void MainWindow::save_labels(
+    const planner::Case& corrected, const std::shared_ptr<const mesh::LabelVolume>& labels, bool over_others)
 {
     ++saving_;
     setEnabled(false); // what is edited meanwhile would belong to the labels before
     show_message("Saving the labels …");
-    saving_executor_.post([this, corrected, labels, generation = generation_](const Job&) {
+    saving_executor_.post([this, corrected, labels, over_others, generation = generation_](const Job&) {
         auto saved = std::make_shared<planner::Case>();
         std::optional<Failure> failure;
+        bool changed = false;
         try {
             const auto now = time_of(corrected.file());
-            if (case_time_ && now && *now != *case_time_)
+            changed = !over_others && case_time_ && now && *now != *case_time_;
+            if (changed)
                 throw IoError("Another program has changed the case meanwhile.", corrected.file().string());
             *saved = planner::write_corrected_labels(corrected, *labels);
             case_time_ = time_of(saved->file());
         } catch (...) {
             failure = current_failure();
         }
-        post_back([this, generation, saved, failure] {
+        post_back([this, generation, saved, failure, changed, labels] {
             --saving_;
             setEnabled(true);
             if (generation != generation_)
                 return;
+            if (changed)
+                return put_labels_into_changed_case(labels);
             if (failure)
                 return show_error(*failure);
             const std::string chosen = model_->selected() ? model_->approach(*model_->selected()).name : std::string();
             open(std::move(*saved));
             if (!chosen.empty())
                 select(chosen);
+            correct_labels();
             show_message("The labels are saved. Plans are made with them from now on.");
         });
     });
@@ -452,6 +488,7 @@ void MainWindow::make_knife()
     knife_panel_->on_export = [this] { ask_for_export_file(); };
     connect(tabs_, &QTabWidget::currentChanged, this, [this] {
         labels_->set_active(false);
+        show_corrected_labels();
         if (knife_tab_open() || labels_tab_open()) {
             set_measuring(false);
             editor_->abandon();
@@ -475,6 +512,7 @@ void MainWindow::set_knife(KnifeMode mode)
     if (!model_ || !model_->selected())
         mode = KnifeMode::away;
     if (mode != KnifeMode::away) { // the mouse is the knife's
+        labels_->set_active(false); // before the knife takes it
         set_measuring(false);
         editor_->abandon();
     }
@@ -629,10 +667,12 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
         ? shown.folder.filename()
         : shown.folder.filename() / shown.file_name;
     setWindowTitle("Retractor - " + QString::fromStdString(name.string()));
+    log_.hide(shown.file());
     clear_error();
     hand_out_work();
     show_all();
-    labels_->set_active(labels_tab_open());
+    if (labels_tab_open())
+        tabs_->setCurrentWidget(panel_); // the mouse turns the picture of the new case
 }
 
 void MainWindow::close_case()
@@ -716,6 +756,7 @@ void MainWindow::open_file(const std::filesystem::path& path)
         return on_palpation_scene(path);
     if (!may_leave_case("Open another case?"))
         return;
+    log_.hide(path);
     ++reading_;
     view_->show_note("Reading " + QString::fromStdString(path.string()) + " …");
     show_start_page();
@@ -787,6 +828,7 @@ void MainWindow::plan_selected()
     model_->request_plan(*model_->selected());
     hand_out_work();
     show_all();
+    say_labels_not_saved();
 }
 
 void MainWindow::plan_all()
@@ -800,6 +842,13 @@ void MainWindow::plan_all()
         model_->request_plan(index);
     hand_out_work();
     show_all();
+    say_labels_not_saved();
+}
+
+void MainWindow::say_labels_not_saved()
+{
+    if (labels_->changed())
+        show_message("The plan uses the labels as saved: the corrections are not saved yet.");
 }
 
 void MainWindow::cancel()
@@ -808,6 +857,8 @@ void MainWindow::cancel()
         return set_conference(false);
     if (measuring_)
         return set_measuring(false);
+    if (labels_->active())
+        return tabs_->setCurrentWidget(panel_);
     if (!editor_->abandon() && !knife_->abandon())
         cancel_planning();
 }
@@ -939,6 +990,7 @@ void MainWindow::post_back(int generation, std::function<void()> deliver)
 
 void MainWindow::show_all()
 {
+    renew_steps();
     show_start_page();
     if (model_)
         list_->show_model(*model_);
@@ -1092,11 +1144,11 @@ void MainWindow::open_manual()
     const auto folder = manual_folder(QCoreApplication::applicationDirPath().toStdString());
     if (!folder)
         return show_message("The manual is not installed beside the program. It is also in the source, in docs/user.");
-    const QString heading = start_page_shown() ? "The start page"
-        : labels_tab_open()                    ? "Correcting labels"
-        : knife_tab_open()                     ? "Cutting by hand"
-        : measuring_                           ? "Measuring"
-        : editor_->drawing()                   ? "Approaches"
+    const QString heading = start_page_shown()        ? "The start page"
+        : labels_tab_open()                           ? "Correcting labels"
+        : knife_tab_open()                            ? "Cutting by hand"
+        : measuring_                                  ? "Measuring"
+        : editor_->drawing()                          ? "Approaches"
         : model_->shown_view() == ViewPreset::compare ? "Comparing"
                                                       : "";
     show_manual(*folder, "workstation.md", heading, this);
@@ -1109,9 +1161,11 @@ void MainWindow::ask_for_log_file()
     const QString file = QFileDialog::getSaveFileName(this, "Save the log", "retractor-log.txt", "Text (*.txt)");
     if (file.isEmpty())
         return;
+    log_.hide(file.toStdString());
     QSaveFile out(file); // written beside, then renamed
     const std::string text = log_text();
-    if (!out.open(QIODevice::WriteOnly) || out.write(text.c_str(), static_cast<qint64>(text.size())) < 0 || !out.commit())
+    if (!out.open(QIODevice::WriteOnly) || out.write(text.c_str(), static_cast<qint64>(text.size())) < 0
+        || !out.commit())
         return show_error({ "the log cannot be written: " + out.errorString().toStdString(), file.toStdString() });
     show_message("Saved " + file);
 }
@@ -1157,8 +1211,8 @@ Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& sour
 void MainWindow::show_progress()
 {
     const bool busy = model_ && model_->busy();
-    cancel_->setEnabled(
-        busy || knife_->mode() != KnifeMode::away || editor_->drawing() || measuring_ || in_conference());
+    cancel_->setEnabled(busy || knife_->mode() != KnifeMode::away || editor_->drawing() || measuring_
+        || labels_->active() || in_conference());
     progress_->setVisible(busy);
     cancel_button_->setVisible(busy);
     if (reading_ > 0)
@@ -1247,6 +1301,7 @@ void MainWindow::ask_for_picture_file()
         return;
     if (!file.endsWith(".png", Qt::CaseInsensitive))
         file += ".png";
+    log_.hide(file.toStdString());
     try {
         save_picture(file.toStdString());
         show_message("Saved " + file);
@@ -1262,6 +1317,7 @@ void MainWindow::ask_for_export_file()
         return;
     if (!file.endsWith(".vtu", Qt::CaseInsensitive))
         file += ".vtu";
+    log_.hide(file.toStdString());
     knife_->run(planner::surgery::ExportWall { file.toStdString() });
 }
 

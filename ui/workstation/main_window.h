@@ -145,6 +145,8 @@ private:
     void make_conference();
     void go_to_step(std::size_t step);
     void step_by(int steps);
+    /// More steps where pictures or plans have come meanwhile; the present step stays.
+    void renew_steps();
     void show_frame(bool shown); ///< menus, tool bar, panes and status line
 
     void choose_approach();
@@ -160,7 +162,12 @@ private:
     /// Gives the mouse to the brush on the slices.
     void correct_labels();
     /// Writes corrected labels and the case, and opens the case anew: its pictures and plans are others.
-    void save_labels(const planner::Case& corrected, const std::shared_ptr<const mesh::LabelVolume>& labels);
+    /// @param over_others also where another program has changed the file meanwhile
+    void save_labels(const planner::Case& corrected, const std::shared_ptr<const mesh::LabelVolume>& labels,
+        bool over_others = false);
+    void put_labels_into_changed_case(const std::shared_ptr<const mesh::LabelVolume>& labels);
+    void show_corrected_labels();
+    void say_labels_not_saved();
     void draw_incision();
     void move_incision();
     void undo();
@@ -251,7 +258,8 @@ private:
     QAction *knife_action_ = nullptr, *line_action_ = nullptr, *hook_action_ = nullptr, *take_out_action_ = nullptr,
             *undo_ = nullptr, *redo_ = nullptr;
     QAction *new_approach_ = nullptr, *draw_ = nullptr, *move_ = nullptr, *finish_ = nullptr, *change_ = nullptr,
-            *site_ = nullptr, *duplicate_ = nullptr, *neighbours_ = nullptr, *remove_ = nullptr, *choose_ = nullptr, *questions_ = nullptr, *close_case_ = nullptr;
+            *site_ = nullptr, *duplicate_ = nullptr, *neighbours_ = nullptr, *remove_ = nullptr, *choose_ = nullptr,
+            *questions_ = nullptr, *close_case_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *compare_ = nullptr,
             *measure_ = nullptr, *correct_ = nullptr, *confer_ = nullptr;

@@ -28,13 +28,12 @@ namespace {
             moments.centre += area / 3.0 * (p + q + r);
             // Exact for a triangle: twelve times the mean of x x^T is the sum over the corners and their sum.
             const Vec3 sum = p + q + r;
-            moments.second += area / 12.0
-                * (p * p.transpose() + q * q.transpose() + r * r.transpose() + sum * sum.transpose());
+            moments.second
+                += area / 12.0 * (p * p.transpose() + q * q.transpose() + r * r.transpose() + sum * sum.transpose());
         }
         if (moments.area_mm2 > 0.0) {
             moments.centre /= moments.area_mm2;
-            moments.second
-                = Mat3(moments.second / moments.area_mm2 - moments.centre * moments.centre.transpose());
+            moments.second = Mat3(moments.second / moments.area_mm2 - moments.centre * moments.centre.transpose());
         }
         return moments;
     }
@@ -53,6 +52,25 @@ namespace {
     double angle_deg(const Vec3& unit, const Vec3& towards)
     {
         return 180.0 / std::numbers::pi * std::acos(std::clamp(unit.dot(towards.normalized()), -1.0, 1.0));
+    }
+
+    /// Whether a surface is the wall of a tube round an axis: its normals point from the axis, where those of a patch
+    /// beside a vessel's axis do not.
+    bool lies_round(const TriMesh& surface, const Vec3& centre, const Vec3& axis)
+    {
+        constexpr double kLeastRadial = 0.7; // mean of the normals' part along the line from the axis
+        double area_mm2 = 0.0, radial = 0.0;
+        for (const auto& [a, b, c] : surface.triangles) {
+            const Vec3 p = surface.vertices.row(a), q = surface.vertices.row(b), r = surface.vertices.row(c);
+            const Vec3 twice_area = (q - p).cross(r - p);
+            Vec3 from_axis = (p + q + r) / 3.0 - centre;
+            from_axis -= from_axis.dot(axis) * axis;
+            if (!(from_axis.norm() > 0.0))
+                continue;
+            area_mm2 += 0.5 * twice_area.norm();
+            radial += 0.5 * std::abs(twice_area.dot(from_axis.normalized()));
+        }
+        return area_mm2 > 0.0 && radial > kLeastRadial * area_mm2;
     }
 
     /// Twice the mean distance of the surface from the axis.
@@ -79,7 +97,9 @@ AnnulusAccess annulus_access(const TargetSpec& target, const TriMesh& ring, cons
 {
     const Moments moments = moments_of(ring);
     AnnulusAccess access { .centre = moments.centre, .given = target.normal.has_value() };
-    const std::optional<Vec3> normal = target.normal ? target.normal : thinnest(moments.second);
+    std::optional<Vec3> normal = target.normal ? target.normal : thinnest(moments.second);
+    if (!target.normal && normal && !lies_round(ring, moments.centre, *normal))
+        normal.reset();
     if (!normal) {
         access.message = "the " + target.site
             + " does not tell its plane, because its surface is no ring: move it, change how far it reaches, or give a "

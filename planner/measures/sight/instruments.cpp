@@ -21,8 +21,8 @@ namespace {
     };
 
     /// Whether a rod fits with its tip at a place: its axis outwards, and its surface beyond the tip, which tapers.
-    bool fits(const RayScene& scene, const OpeningGeometry& opening, const Rod& rod, const Vec3& place,
-        const Vec3& outward)
+    bool fits(
+        const RayScene& scene, const OpeningGeometry& opening, const Rod& rod, const Vec3& place, const Vec3& outward)
     {
         constexpr double kTipMm = 10.0;
         constexpr int kRays = 6; // on the rod's surface
@@ -121,8 +121,8 @@ std::size_t count_reached_by_two(const RayScene& scene, const OpeningGeometry& o
     return reached;
 }
 
-FingerReach finger_reach(const RayScene& scene, const OpeningGeometry& opening,
-    const std::vector<SurfaceSample>& samples, const Job& job)
+FingerReach finger_reach(
+    const RayScene& scene, const OpeningGeometry& opening, const std::vector<SurfaceSample>& samples, const Job& job)
 {
     constexpr std::size_t kFarSamples = 200; // for the length that a finger lacks
     const std::vector<Vec3> gates = gates_of(opening);

@@ -30,8 +30,8 @@ std::size_t count_reached_by_two(const RayScene& scene, const OpeningGeometry& o
 /// What a straight finger touches: seen or not.
 struct FingerReach {
     std::size_t touched = 0; ///< number of samples
-    /// Where none is touched: how much longer the finger would have to be. Not set: a finger does not fit, however long,
-    /// or touches.
+    /// Where none is touched: how much longer the finger would have to be. Not set: a finger does not fit, however
+    /// long, or touches.
     std::optional<double> lacks_mm {};
 };
 FingerReach finger_reach(const RayScene& scene, const OpeningGeometry& opening,

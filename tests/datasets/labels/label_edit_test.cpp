@@ -23,8 +23,7 @@ namespace label_edit_test {
         labels.grid.size = { 40, 36, 30 };
         labels.grid.spacing = Vec3(1.0, 1.2, 2.0);
         labels.grid.origin = Vec3(-20.0, 15.0, 100.0);
-        labels.grid.direction
-            = Eigen::AngleAxisd(0.3, Vec3(0.1, 0.2, 1.0).normalized()).toRotationMatrix();
+        labels.grid.direction = Eigen::AngleAxisd(0.3, Vec3(0.1, 0.2, 1.0).normalized()).toRotationMatrix();
         labels.table = { { kMuscle, "muscle", "muscle", mesh::Role::wall }, { kBone, "rib", "bone", mesh::Role::wall },
             { kLung, "lung", "lung", mesh::Role::voxel } };
         labels.voxels.assign(labels.grid.voxel_count(), kMuscle);
@@ -46,7 +45,8 @@ namespace label_edit_test {
     mesh::LabelVolume with_ball()
     {
         mesh::LabelVolume labels = image();
-        make_edit(labels, painted(labels, { .path = { at(labels, 15, 15, 14) }, .radius_mm = 7.0 }, kBone, kNothingKept));
+        make_edit(
+            labels, painted(labels, { .path = { at(labels, 15, 15, 14) }, .radius_mm = 7.0 }, kBone, kNothingKept));
         return labels;
     }
 
@@ -72,12 +72,13 @@ namespace label_edit_test {
                 std::vector<int> layers;
                 for (const std::size_t voxel : edit.voxels) {
                     const std::size_t nx = 40, ny = 36;
-                    layers.push_back(static_cast<int>(
-                        axis == 0 ? voxel % nx : axis == 1 ? voxel / nx % ny : voxel / (nx * ny)));
+                    layers.push_back(static_cast<int>(axis == 0 ? voxel % nx
+                            : axis == 1                         ? voxel / nx % ny
+                                                                : voxel / (nx * ny)));
                 }
                 EXPECT_EQ(std::ranges::min(layers), std::ranges::max(layers)) << axis << " " << off;
-                const double area = static_cast<double>(edit.voxels.size()) * labels.grid.voxel_volume()
-                    / labels.grid.spacing[axis];
+                const double area
+                    = static_cast<double>(edit.voxels.size()) * labels.grid.voxel_volume() / labels.grid.spacing[axis];
                 EXPECT_NEAR(area, std::numbers::pi * 36.0, 0.1 * area);
             }
         }
@@ -101,8 +102,7 @@ namespace label_edit_test {
         const mesh::LabelVolume labels = image();
         mesh::LabelFlags kept = kNothingKept;
         kept[kLung] = 1;
-        const LabelEdit edit
-            = painted(labels, { .path = { at(labels, 30, 15, 14) }, .radius_mm = 5.0 }, kBone, kept);
+        const LabelEdit edit = painted(labels, { .path = { at(labels, 30, 15, 14) }, .radius_mm = 5.0 }, kBone, kept);
         EXPECT_FALSE(edit.empty());
         EXPECT_EQ(std::ranges::count(edit.before, kLung), 0);
     }
@@ -129,7 +129,8 @@ namespace label_edit_test {
         mesh::LabelVolume labels = image();
         // Bone over the border of muscle and lung: erased, the halves come back.
         const mesh::LabelVolume before = labels;
-        make_edit(labels, painted(labels, { .path = { at(labels, 29.5, 15, 14) }, .radius_mm = 6.0 }, kBone, kNothingKept));
+        make_edit(
+            labels, painted(labels, { .path = { at(labels, 29.5, 15, 14) }, .radius_mm = 6.0 }, kBone, kNothingKept));
         make_edit(labels, erased(labels, { .path = { at(labels, 29.5, 15, 14) }, .radius_mm = 12.0 }, kBone));
         EXPECT_EQ(count(labels, kBone), 0U);
         std::size_t wrong = 0;
@@ -170,7 +171,8 @@ namespace label_edit_test {
         make_edit(labels, smoothed(labels, kBone, 1, kNothingKept));
         for (int i = 24; i < 29; ++i)
             EXPECT_EQ(labels.voxels[labels.grid.offset(i, 15, 14)], kMuscle) << i;
-        EXPECT_NEAR(static_cast<double>(count(labels, kBone)), static_cast<double>(ball), 0.1 * static_cast<double>(ball))
+        EXPECT_NEAR(
+            static_cast<double>(count(labels, kBone)), static_cast<double>(ball), 0.1 * static_cast<double>(ball))
             << "the filter takes a little of a small ball";
         EXPECT_THROW(smoothed(labels, kBone, 0, kNothingKept), InputError);
     }
@@ -179,7 +181,8 @@ namespace label_edit_test {
     {
         mesh::LabelVolume labels = with_ball();
         const std::size_t ball = count(labels, kBone);
-        make_edit(labels, painted(labels, { .path = { at(labels, 34, 30, 25) }, .radius_mm = 2.5 }, kBone, kNothingKept));
+        make_edit(
+            labels, painted(labels, { .path = { at(labels, 34, 30, 25) }, .radius_mm = 2.5 }, kBone, kNothingKept));
         make_edit(labels, without_islands(labels, kBone));
         EXPECT_EQ(count(labels, kBone), ball);
         EXPECT_EQ(labels.voxels[labels.grid.offset(34, 30, 25)], kLung) << "as around the island";
@@ -225,10 +228,15 @@ namespace label_edit_test {
         const mesh::LabelVolume labels = image();
         EXPECT_THROW(voxels_under(labels.grid, { .path = {}, .radius_mm = 1.0 }), InputError);
         EXPECT_THROW(voxels_under(labels.grid, { .path = { Vec3::Zero() }, .radius_mm = 0.0 }), InputError);
-        EXPECT_THROW(
-            voxels_under(labels.grid,
-                { .path = { Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0) }, .radius_mm = 1.0 }),
+        EXPECT_THROW(voxels_under(labels.grid,
+                         { .path = { Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0) }, .radius_mm = 1.0 }),
             InputError);
+        EXPECT_THROW(voxels_under(labels.grid,
+                         { .path = { at(labels, 5, 5, 5), at(labels, 5, 5, 8) },
+                             .radius_mm = 3.0,
+                             .normal = labels.grid.direction.col(2) }),
+            InputError)
+            << "a disc lies in one slice";
         EXPECT_TRUE(voxels_under(labels.grid, { .path = { Vec3(1e6, 0, 0) }, .radius_mm = 5.0 }).empty())
             << "outside the image there is nothing to paint";
     }

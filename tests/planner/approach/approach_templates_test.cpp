@@ -53,8 +53,8 @@ namespace approach_templates_test {
         return r;
     }
 
-    const std::vector<std::string> kTemplates { "median", "hemisternotomy-j", "hemisternotomy-t", "intercostal:4", "intercostal:5", "distal", "midcab",
-        "right-anterior", "right-lateral" };
+    const std::vector<std::string> kTemplates { "median", "hemisternotomy-j", "hemisternotomy-t", "intercostal:4",
+        "intercostal:5", "distal", "midcab", "right-anterior", "right-lateral" };
 
     double distance_to_bone(const mesh::LabelVolume& labels, const Approach& approach, std::string_view but_not)
     {

@@ -139,6 +139,23 @@ namespace neighbour_approaches_test {
     TEST(NeighbourApproaches, ThatCannotBeHaveAReason)
     {
         EXPECT_TRUE(neighbours_of(patient(), from_template("median", true, 0.0)).empty());
+    }
+
+    TEST(NeighbourApproaches, OfAHemisternotomyTurnInTheSpacesAboveAndBelow)
+    {
+        Approach j = from_template("hemisternotomy-j:4", true, 0.0);
+        const std::vector<NeighbourApproach> found = neighbours_of(patient(), j);
+        ASSERT_EQ(found.size(), 2U);
+        ASSERT_TRUE(found[0].approach && found[1].approach) << found[0].refused << found[1].refused;
+        EXPECT_EQ(found[0].approach->template_name, "hemisternotomy-j:3");
+        EXPECT_EQ(found[1].approach->template_name, "hemisternotomy-j:5");
+        EXPECT_LT(incision_length(*found[0].approach), incision_length(j));
+        EXPECT_GT(incision_length(*found[1].approach), incision_length(j));
+        EXPECT_EQ(found[0].approach->division.extent, DivisionExtent::sternum_right);
+        j.incision.back() += Vec3(0.0, 0.0, 15.0); // moved by hand: it ends in no space
+        EXPECT_TRUE(neighbours_of(patient(), j).empty());
+        j.template_name = "hemisternotomy-j:four";
+        EXPECT_TRUE(neighbours_of(patient(), j).empty());
         const std::vector<NeighbourApproach> last = neighbours_of(patient(), from_template("intercostal:7"));
         ASSERT_EQ(last.size(), 4U); // the chest has eight ribs
         EXPECT_FALSE(last[1].approach);

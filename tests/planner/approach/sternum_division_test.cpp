@@ -3,6 +3,7 @@
 #include "mesh/cutting/cut_session.h"
 #include "mesh/generation/hybrid_model.h"
 #include "planner/approach/approach_templates.h"
+#include "planner/approach/find_division.h"
 #include "planner/wall/division_cut.h"
 #include "planner/wall/wall_cut.h"
 #include "tests/support/synthetic_chest.h"
@@ -67,14 +68,13 @@ namespace sternum_division_test {
                         const double x = side * 0.2 * i;
                         Vec3 p = approach.incision.back() + depth * approach.directions.back();
                         p.x() += x;
-                        if (const mesh::LabelInfo* info
-                            = mesh::find_label(chest().table, mesh::label_at(chest(), p));
+                        if (const mesh::LabelInfo* info = mesh::find_label(chest().table, mesh::label_at(chest(), p));
                             info != nullptr && info->name == "sternum")
                             edge = std::max(edge, std::abs(x));
                     }
                 ASSERT_GT(edge, 5.0);
-                EXPECT_NEAR(side * (stroke.line.back().x() - stroke.line.front().x()), edge + kBeyondSternumEdgeMm,
-                    1.5) << "a step, and the slope of the ray";
+                EXPECT_NEAR(side * (stroke.line.back().x() - stroke.line.front().x()), edge + kBeyondSternumEdgeMm, 1.5)
+                    << "a step, and the slope of the ray";
                 EXPECT_NEAR(stroke.length_mm, (stroke.line.back() - stroke.line.front()).norm(), kShape.spacing);
                 for (std::size_t i = 0; i < stroke.line.size(); ++i) { // from the chest to the bone's outer side
                     EXPECT_LT(std::hypot(stroke.line[i].x(), stroke.line[i].y()), kShape.radius - kShape.wall);
@@ -104,6 +104,21 @@ namespace sternum_division_test {
             EXPECT_LT((turn * a.line[n] + shift - b.line[n]).norm(), 1e-6);
     }
 
+    TEST(SternumDivision, ADrawnIncisionOverTheSternumIsDividedAlike)
+    {
+        const Approach by_template = hemisternotomy("j", chest(), anatomy());
+        ApproachRequest request;
+        request.target.label = "aneurysm";
+        Approach drawn
+            = approach_from_points(chest(), { by_template.incision.front(), by_template.incision.back() }, request)
+                  .approach;
+        set_division(drawn, { .extent = DivisionExtent::sternum_right });
+        find_sternum_division(drawn, chest(), anatomy());
+        ASSERT_EQ(drawn.division.strokes.size(), 1U) << drawn.division.words;
+        EXPECT_NEAR(drawn.division.strokes[0].length_mm, by_template.division.strokes[0].length_mm, 1.5);
+        EXPECT_TRUE(std::ranges::count(drawn.division.strokes[0].severs, "sternum"));
+    }
+
     TEST(SternumDivision, WithoutASternumUnderTheIncisionNothingIsDivided)
     {
         ApproachRequest request;
@@ -112,6 +127,12 @@ namespace sternum_division_test {
         request.length_mm = 80.0;
         request.division = DivisionExtent::sternum_right;
         Approach approach = approach_from_template(chest(), anatomy(), request);
+        find_sternum_division(approach, chest(), anatomy());
+        EXPECT_TRUE(approach.division.strokes.empty());
+        EXPECT_EQ(
+            approach.division.words, "this approach leaves the sternum whole: nothing is divided beyond the skin");
+        set_division(approach, { .extent = DivisionExtent::sternum_right });
+        EXPECT_EQ(std::ranges::count(approach.uncut_labels, "sternum"), 0);
         find_sternum_division(approach, chest(), anatomy());
         EXPECT_TRUE(approach.division.strokes.empty());
         EXPECT_EQ(approach.division.words,

@@ -110,6 +110,28 @@ namespace import_case_test {
         EXPECT_NO_THROW(read_case(case_file()));
     }
 
+    TEST_F(ImportCase, CorrectedLabelsAreWrittenBesideThoseBefore)
+    {
+        Case planned_case = write_import(read_import(request), case_file());
+        mesh::LabelVolume labels = datasets::read_label_volume(planned_case.labels_path());
+        labels.table = planned_case.label_table;
+        labels.voxels.front() = labels.table.back().id;
+        const Case corrected = write_corrected_labels(planned_case, labels);
+        EXPECT_EQ(corrected.labels.path, "labels-2.nrrd");
+        EXPECT_EQ(datasets::read_label_volume(corrected.labels_path()).voxels, labels.voxels);
+        EXPECT_TRUE(fs::exists(planned_case.labels_path()));
+        EXPECT_EQ(read_case(case_file()).labels.path, "labels-2.nrrd");
+        // What contradicts the case is refused, and the case on disk stays.
+        labels.table.erase(std::ranges::find(labels.table, "target", &mesh::LabelInfo::name));
+        Case with_support = corrected;
+        with_support.estimated_labels = { "target" };
+        EXPECT_THROW(write_corrected_labels(with_support, labels), InputError);
+        EXPECT_EQ(read_case(case_file()).labels.path, "labels-2.nrrd");
+        EXPECT_EQ(names_in(folder / "case"),
+            (std::vector<std::string> { "case.json", "ct.nrrd", "labels-2.labels.json", "labels-2.nrrd",
+                "labels.labels.json", "labels.nrrd" }));
+    }
+
     TEST_F(ImportCase, ImagesInMetresAreRefusedUnlessTheyAreAccepted)
     {
         phantom.ct.grid.spacing *= 1e-3;

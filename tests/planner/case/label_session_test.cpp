@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace retractor::planner {
 namespace label_session_test {
@@ -76,12 +77,47 @@ namespace label_session_test {
     {
         LabelSession session(planned(), image());
         session.edit(ball(4, 2));
-        session.edit(ball(8, 2), true);
-        session.edit(ball(12, 2), true);
+        session.edit(ball(8, 2), LabelSession::Part::more);
+        session.edit(ball(12, 2), LabelSession::Part::more);
         session.edit(ball(12, 3)); // another stroke
         session.undo();
         session.undo();
         EXPECT_EQ(session.labels()->voxels, image()->voxels);
+    }
+
+    TEST(LabelSession, APartMayTakeThePlaceOfTheLastStep)
+    {
+        LabelSession session(planned(), image());
+        session.edit(ball(4, 2));
+        session.edit(ball(10, 3), LabelSession::Part::instead);
+        LabelSession other(planned(), image());
+        other.edit(ball(10, 3));
+        EXPECT_EQ(session.labels()->voxels, other.labels()->voxels);
+        const auto refuses = [](const mesh::LabelVolume&) -> datasets::LabelEdit { throw InputError("no"); };
+        EXPECT_THROW(session.edit(refuses, LabelSession::Part::instead), InputError);
+        EXPECT_EQ(session.labels()->voxels, other.labels()->voxels) << "the step stays";
+        session.undo();
+        EXPECT_EQ(session.labels()->voxels, image()->voxels);
+    }
+
+    TEST(LabelSession, PicturesThatHoldOlderStatesDoNotDisturb)
+    {
+        LabelSession session(planned(), image()), alone(planned(), image());
+        std::shared_ptr<const mesh::LabelVolume> shown; // as the window holds the last state
+        std::vector<std::shared_ptr<const mesh::LabelVolume>> held; // as a slow picture may
+        for (int n = 0; n < 12; ++n) {
+            const auto make = ball(2.0 + n, n % 2 == 0 ? 2 : 3);
+            session.edit(make);
+            alone.edit(make);
+            shown = session.labels();
+            if (n % 5 == 0)
+                held.push_back(shown);
+            if (n % 4 == 3) {
+                session.undo();
+                alone.undo();
+            }
+            ASSERT_EQ(session.labels()->voxels, alone.labels()->voxels) << n;
+        }
     }
 
     TEST(LabelSession, WhatAPictureHoldsStaysAsItWas)

@@ -63,7 +63,8 @@ namespace division_cut_test {
     {
         DivisionStroke s { .way = forwards ? StrokeWay::forwards : StrokeWay::backwards,
             .severs = { "intercostal" },
-            .depth_mm = 4.0 + height, .length_mm = std::abs(to - from) };
+            .depth_mm = 4.0 + height,
+            .length_mm = std::abs(to - from) };
         for (const double x : { from, 0.5 * (from + to), to }) {
             s.line.emplace_back(x, 17.3, -4.0);
             s.directions.emplace_back(0, 0, 1);

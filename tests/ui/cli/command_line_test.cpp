@@ -65,11 +65,11 @@ protected:
 
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
-    for (const char* command : { "phantom", "import", "labels list", "labels paint", "labels interpolate",
-             "approach add", "approach guide", "hooks", "tension", "mesh",
-             "cut", "plan", "render", "compare", "search", "batch", "demo", "doctor", "palpable", "palpate", "relay",
-             "train", "train expert", "train test", "train report", "evidence", "evidence complications",
-             "evidence rules", "evidence show-rule", "evidence generate" }) {
+    for (const char* command :
+        { "phantom", "import", "labels list", "labels paint", "labels interpolate", "approach add", "approach guide",
+            "hooks", "tension", "mesh", "cut", "plan", "render", "compare", "search", "batch", "demo", "doctor",
+            "palpable", "palpate", "relay", "train", "train expert", "train test", "train report", "evidence",
+            "evidence complications", "evidence rules", "evidence show-rule", "evidence generate" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -79,8 +79,7 @@ TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 TEST_F(CommandLine, LabelsAreCorrectedAndTheApproachesFollow)
 {
     const std::string p = out("p"), file = out("corrected/case.json");
-    ASSERT_EQ(
-        run("import " + p + "/ct --labels " + p + "/labels.nrrd --no-contact-sheet --out " + file).exit_code, 0);
+    ASSERT_EQ(run("import " + p + "/ct --labels " + p + "/labels.nrrd --no-contact-sheet --out " + file).exit_code, 0);
     ASSERT_EQ(run("approach add " + file
                   + " --name straight --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --retract cavity --hooks 2 "
                     "--opening 20")
@@ -97,8 +96,7 @@ TEST_F(CommandLine, LabelsAreCorrectedAndTheApproachesFollow)
     };
     const std::map<std::string, double> before = volumes();
     ASSERT_TRUE(before.contains("target"));
-    const CommandRun paint
-        = run("--json labels paint " + file + " --label target --at 0,20,0 --at 0,30,0 --radius 6");
+    const CommandRun paint = run("--json labels paint " + file + " --label target --at 0,20,0 --at 0,30,0 --radius 6");
     ASSERT_EQ(paint.exit_code, 0) << paint.out;
     EXPECT_NEAR(volumes().at("target") - before.at("target"), paint.json().at("volume_ml").get<double>(), 1e-6);
     EXPECT_TRUE(fs::exists(folder / "corrected" / "labels.nrrd")) << "the labels before stay";
@@ -109,10 +107,11 @@ TEST_F(CommandLine, LabelsAreCorrectedAndTheApproachesFollow)
     EXPECT_TRUE(volumes().contains("aneurysm"));
     EXPECT_NE(run("approach list " + file).out.find("target aneurysm"), std::string::npos);
     // Errors name the option, and leave the case.
-    for (const char* wrong : { "paint CASE --label spleen --at 0,0,0 --radius 3", "rename CASE --label aneurysm --to cavity",
-             "join CASE --label aneurysm --to aneurysm", "confirm CASE --label aneurysm",
-             "paint CASE --label aneurysm --at 0,0 --radius 3", "paint CASE --label aneurysm --at 0,0,0 --radius 0",
-             "smooth CASE --label aneurysm --voxels 0", "fill CASE --label aneurysm --at 9999,0,0" }) {
+    for (const char* wrong :
+        { "paint CASE --label spleen --at 0,0,0 --radius 3", "rename CASE --label aneurysm --to cavity",
+            "join CASE --label aneurysm --to aneurysm", "confirm CASE --label aneurysm",
+            "paint CASE --label aneurysm --at 0,0 --radius 3", "paint CASE --label aneurysm --at 0,0,0 --radius 0",
+            "smooth CASE --label aneurysm --voxels 0", "fill CASE --label aneurysm --at 9999,0,0" }) {
         std::string line = wrong;
         line.replace(line.find("CASE"), 4, file);
         EXPECT_EQ(run("labels " + line).exit_code, 2) << wrong;
@@ -609,7 +608,7 @@ TEST_F(CommandLine, RenderDrawsTheViewsAndReadsTheCtForItsSlices)
         = run("--json --profile render " + case_file() + " --out " + out("render") + " --size 320x240");
     ASSERT_EQ(render.exit_code, 0);
     EXPECT_EQ(render.json().at("pictures").size(), 3u);
-    for (const Json& picture : render.json().at("pictures"))
+    for (const Json document = render.json(); const Json& picture : document.at("pictures"))
         EXPECT_GT(fs::file_size(picture.at("file").get<std::string>()), 5000u);
     EXPECT_TRUE(parts_of(render.json()).count("voxels"));
 }

@@ -8,6 +8,7 @@
 #include "fem/statics/driven_opening.h"
 #include "mesh/base/error.h"
 #include "planner/approach/approach_templates.h"
+#include "planner/approach/find_division.h"
 #include "planner/approach/hooks.h"
 #include "planner/approach/incision_guide.h"
 #include "planner/approach/retractors.h"
@@ -88,7 +89,7 @@ namespace {
                 + distance_text(division.forwards_mm) + ", backwards " + distance_text(division.backwards_mm) + "\n";
         else if (planner::divides_sternum(division.extent))
             text += std::string("  saws the sternum across under the skin, to ")
-                + (division.extent == planner::DivisionExtent::sternum_right      ? "its right edge"
+                + (division.extent == planner::DivisionExtent::sternum_right       ? "its right edge"
                         : division.extent == planner::DivisionExtent::sternum_left ? "its left edge"
                                                                                    : "both edges")
                 + "\n";
@@ -176,6 +177,9 @@ namespace {
     {
         const auto extent
             = planner::division_extent_from_string(options.division == kBothDivisions ? "full" : options.division);
+        const bool sternal = options.template_name.starts_with("hemisternotomy");
+        if (options.division == kBothDivisions && sternal)
+            return std::nullopt; // the template's own, and below the skin alone
         const bool has_distance = options.forwards_mm.has_value() || options.backwards_mm.has_value();
         if (has_distance && extent != planner::DivisionExtent::full)
             throw InputError(
@@ -327,8 +331,12 @@ namespace {
         planner::Patient patient(planned_case, job);
         Outcome outcome;
         planner::Approach approach = approach_from_options(options, patient, outcome.text);
+        if (division && division->extent == planner::DivisionExtent::full
+            && planner::divides_sternum(approach.division.extent))
+            throw InputError(
+                "a hemisternotomy divides no intercostal space: omit the option, or give skin", "--division");
         if (division)
-            approach.division = *division;
+            planner::set_division(approach, *division);
         approach.ablations = std::move(ablations);
         approach.loose_pieces = planner::loose_pieces_from_string(options.loose).value();
         check_ablations_along(options, approach);
@@ -379,7 +387,8 @@ namespace {
     Outcome divide(const ApproachOptions& options)
     {
         planner::Case planned_case = open_case(options.case_file);
-        planner::find_approach(planned_case, options.name).division = division_from_options(options).value();
+        planner::set_division(
+            planner::find_approach(planned_case, options.name), division_from_options(options).value());
         planner::write_case(planned_case);
         Outcome outcome;
         outcome.document = approach_document(planner::find_approach(planned_case, options.name));

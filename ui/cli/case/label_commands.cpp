@@ -4,11 +4,13 @@
 #include "ui/cli/framework/open_case.h"
 
 #include "datasets/labels/label_edit.h"
+#include "fem/material/material.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/case/case_io.h"
 #include "planner/case/import_case.h"
 #include "planner/case/label_correction.h"
+#include "planner/case/label_session.h"
 #include "planner/case/patient.h"
 
 #include <CLI/CLI.hpp>
@@ -29,7 +31,7 @@ namespace {
     constexpr int kLargestRadius = 10; // as in datasets::smoothed()
 
     struct LabelOptions {
-        std::string case_file, label, to, plane = "axial";
+        std::string case_file, label, to, plane = "axial", material = "vessel", role = "target";
         std::vector<std::string> path, kept;
         double radius_mm = 0.0;
         int voxels = 1;
@@ -58,10 +60,10 @@ namespace {
         Outcome outcome;
         outcome.document["labels"] = Json::array();
         for (const planner::LabelSize& size : planner::label_sizes(*patient.labels())) {
-            outcome.document["labels"].push_back({ { "id", size.info.id }, { "name", size.info.name },
-                { "material", size.info.material }, { "role", to_string(size.info.role) },
-                { "volume_ml", size.volume_ml },
-                { "estimated", planner::is_estimated(planned_case, size.info.name) } });
+            outcome.document["labels"].push_back(
+                { { "id", size.info.id }, { "name", size.info.name }, { "material", size.info.material },
+                    { "role", to_string(size.info.role) }, { "volume_ml", size.volume_ml },
+                    { "estimated", planner::is_estimated(planned_case, size.info.name) } });
             outcome.text += label_line(size, planned_case);
         }
         return outcome;
@@ -120,14 +122,12 @@ namespace {
     Outcome join(const LabelOptions& options)
     {
         planner::Case planned_case = open_case(options.case_file);
-        const Label from = label_of(planned_case, options.label, "--label").id,
-                    into = label_of(planned_case, options.to, "--to").id;
+        label_of(planned_case, options.label, "--label");
+        label_of(planned_case, options.to, "--to");
         planner::Patient patient(planned_case);
-        mesh::LabelVolume labels = *patient.labels();
-        planner::join_label(planned_case, options.label, options.to);
-        datasets::make_edit(labels, datasets::joined(labels, from, into));
-        labels.table = planned_case.label_table;
-        planned_case = planner::write_corrected_labels(std::move(planned_case), labels);
+        planner::LabelSession session(planned_case, patient.labels());
+        session.join(options.label, options.to);
+        planned_case = planner::write_corrected_labels(session.corrected(planned_case), *session.labels());
         return { .document = { { "labels", planned_case.labels.path.string() } },
             .text = options.label + " is a part of " + options.to + " now\n" };
     }
@@ -137,12 +137,23 @@ namespace {
         planner::Case planned_case = open_case(options.case_file);
         label_of(planned_case, options.label, "--label");
         planner::Patient patient(planned_case);
-        mesh::LabelVolume labels = *patient.labels();
-        planner::rename_label(planned_case, options.label, options.to);
-        labels.table = planned_case.label_table;
-        planned_case = planner::write_corrected_labels(std::move(planned_case), labels);
+        planner::LabelSession session(planned_case, patient.labels());
+        session.rename(options.label, options.to);
+        planned_case = planner::write_corrected_labels(session.corrected(planned_case), *session.labels());
         return { .document = { { "labels", planned_case.labels.path.string() } },
             .text = options.label + " is " + options.to + " now\n" };
+    }
+
+    Outcome add_label(const LabelOptions& options)
+    {
+        planner::Case planned_case = open_case(options.case_file);
+        static_cast<void>(fem::find_material(planned_case.materials, options.material)); // refuses an unknown one
+        planner::Patient patient(planned_case);
+        planner::LabelSession session(planned_case, patient.labels());
+        session.add_label(options.label, options.material, mesh::role_from_string(options.role).value());
+        planned_case = planner::write_corrected_labels(session.corrected(planned_case), *session.labels());
+        return { .document = { { "labels", planned_case.labels.path.string() } },
+            .text = options.label + " is added; paint it\n" };
     }
 
     Outcome confirm(const LabelOptions& options)
@@ -167,10 +178,10 @@ namespace {
         void add_all()
         {
             CLI::App* list_command = add("list", "List the labels with their volumes and marks", "");
-            commands_.on(list_command,
-                [options = options_](const Job&) { return list(open_case(options->case_file)); });
+            commands_.on(
+                list_command, [options = options_](const Job&) { return list(open_case(options->case_file)); });
             add_brush("paint", "Give the voxels under a brush a label",
-                "--label rib_left_4 --at 80,-20,140 --at 85,-10,138 --radius 4 --slice --plane axial");
+                "--label rib_left_4 --at 80,-20,140 --at 85,-10,140 --radius 4 --slice --plane axial");
             add_brush("erase", "Take a label away under a brush; its voxels get the label beside them",
                 "--label aorta --at 10,20,150 --radius 6");
             add_fill();
@@ -189,6 +200,15 @@ namespace {
             require_label(join_command);
             join_command->add_option("--to", options_->to, "The label that stays")->required();
             commands_.on(join_command, [options = options_](const Job&) { return join(*options); });
+            CLI::App* add_command = add(
+                "add", "Add a label without voxels, to be painted", "--label aneurysm --material vessel --role target");
+            require_label(add_command);
+            add_command->add_option("--material", options_->material, "Material of the case, such as bone")
+                ->capture_default_str();
+            add_command->add_option("--role", options_->role, "What it is to the planner")
+                ->check(CLI::IsMember({ "wall", "voxel", "target", "at-risk" }))
+                ->capture_default_str();
+            commands_.on(add_command, [options = options_](const Job&) { return add_label(*options); });
             CLI::App* rename_command = add(
                 "rename", "Give a label another name, also in the approaches", "--label rib_left_5 --to rib_left_4");
             require_label(rename_command);
@@ -205,7 +225,8 @@ namespace {
         {
             options_ = std::make_shared<LabelOptions>();
             CLI::App* command = labels_->add_subcommand(name, help);
-            command->footer("Example: retractor labels " + name + " case.json" + (example.empty() ? "" : " ") + example);
+            command->footer(
+                "Example: retractor labels " + name + " case.json" + (example.empty() ? "" : " ") + example);
             command->add_option("case", options_->case_file, "case.json")->required()->check(CLI::ExistingPath);
             return command;
         }
@@ -220,15 +241,13 @@ namespace {
         }
         void add_plane(CLI::App* command)
         {
-            command
-                ->add_option("--plane", options_->plane, "Plane of the slices: axial, coronal or sagittal")
+            command->add_option("--plane", options_->plane, "Plane of the slices: axial, coronal or sagittal")
                 ->check(CLI::IsMember({ "axial", "coronal", "sagittal" }))
                 ->capture_default_str();
         }
         void add_kept(CLI::App* command)
         {
-            command->add_option("--keep", options_->kept, "Labels NAME,... that are not painted over")
-                ->delimiter(',');
+            command->add_option("--keep", options_->kept, "Labels NAME,... that are not painted over")->delimiter(',');
         }
         void add_brush(const std::string& name, const std::string& help, const std::string& example)
         {
@@ -244,8 +263,8 @@ namespace {
             if (paints)
                 add_kept(command);
             commands_.on(command, [options = options_, paints](const Job&) {
-                return edit(*options,
-                    [&](const mesh::LabelVolume& labels, const planner::Case& planned_case, Label label) {
+                return edit(
+                    *options, [&](const mesh::LabelVolume& labels, const planner::Case& planned_case, Label label) {
                         return paints
                             ? datasets::painted(labels, stroke_of(*options), label, kept_of(planned_case, *options))
                             : datasets::erased(labels, stroke_of(*options), label);
@@ -278,8 +297,8 @@ namespace {
                 ->capture_default_str();
             add_kept(command);
             commands_.on(command, [options = options_](const Job&) {
-                return edit(*options,
-                    [&](const mesh::LabelVolume& labels, const planner::Case& planned_case, Label label) {
+                return edit(
+                    *options, [&](const mesh::LabelVolume& labels, const planner::Case& planned_case, Label label) {
                         return datasets::smoothed(labels, label, options->voxels, kept_of(planned_case, *options));
                     });
             });
@@ -292,8 +311,8 @@ namespace {
             add_plane(command);
             add_kept(command);
             commands_.on(command, [options = options_](const Job&) {
-                return edit(*options,
-                    [&](const mesh::LabelVolume& labels, const planner::Case& planned_case, Label label) {
+                return edit(
+                    *options, [&](const mesh::LabelVolume& labels, const planner::Case& planned_case, Label label) {
                         return datasets::interpolated(labels, label,
                             datasets::nearest_axis(labels.grid, normal_of(options->plane)),
                             kept_of(planned_case, *options));

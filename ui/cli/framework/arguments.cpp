@@ -64,8 +64,8 @@ planner::TargetSpec parse_target(const std::string& text)
         numbers = text.substr(colon + 1);
     }
     constexpr std::size_t kSphere = 4, kSphereAndNormal = 7;
-    const bool has_normal = target.is_site()
-        && static_cast<std::size_t>(std::ranges::count(numbers, ',')) + 1 == kSphereAndNormal;
+    const bool has_normal
+        = target.is_site() && static_cast<std::size_t>(std::ranges::count(numbers, ',')) + 1 == kSphereAndNormal;
     const std::vector<double> n = parse_numbers(numbers, has_normal ? kSphereAndNormal : kSphere, "--target");
     RETRACTOR_ASSERT(n.size() >= kSphere);
     if (has_normal)

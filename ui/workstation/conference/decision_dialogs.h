@@ -22,8 +22,8 @@ public:
     /// @param approach its name for people
     /// @param plan what the plan says, in its own sentences; empty: it is not planned
     /// @param holding the sentence of the choice so far; empty: there is none
-    ChoiceDialog(const std::string& approach, const std::string& plan, const std::string& holding, const std::string& by,
-        QWidget* parent);
+    ChoiceDialog(const std::string& approach, const std::string& plan, const std::string& holding,
+        const std::string& by, QWidget* parent);
 
     std::string by() const;
     std::string why() const;

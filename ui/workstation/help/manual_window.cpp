@@ -8,7 +8,6 @@
 #include <QVBoxLayout>
 #include <QWidget>
 
-#include <algorithm>
 #include <system_error>
 
 namespace retractor::ui {
@@ -22,8 +21,6 @@ namespace {
     {
         for (QTextBlock block = browser.document()->begin(); block.isValid(); block = block.next())
             if (block.blockFormat().headingLevel() > 0 && block.text().compare(heading, Qt::CaseInsensitive) == 0) {
-                QTextCursor cursor(block);
-                cursor.movePosition(QTextCursor::End);
                 browser.moveCursor(QTextCursor::End); // so that the heading comes to the top
                 browser.setTextCursor(QTextCursor(block));
                 return;
@@ -45,8 +42,7 @@ std::optional<std::filesystem::path> manual_folder(const std::filesystem::path& 
     return std::nullopt;
 }
 
-QWidget* show_manual(
-    const std::filesystem::path& folder, const QString& page, const QString& heading, QWidget* parent)
+QWidget* show_manual(const std::filesystem::path& folder, const QString& page, const QString& heading, QWidget* parent)
 {
     auto* window = new QWidget(parent, Qt::Window);
     window->setAttribute(Qt::WA_DeleteOnClose);

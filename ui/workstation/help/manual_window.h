@@ -1,6 +1,6 @@
 #pragma once
-// The user's manual in a window, opened at a heading. The pages are the Markdown files of docs/user, which are installed
-// with the program.
+// The user's manual in a window, opened at a heading. The pages are the Markdown files of docs/user, which are
+// installed with the program.
 
 #include <QString>
 

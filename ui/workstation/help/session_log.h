@@ -1,16 +1,21 @@
 #pragma once
-// What the window told its user, with times, to be attached to a report of a fault. No name or id of a patient, and no
-// file path, gets into the log.
+// What the window told its user, with times, to be attached to a report of a fault. File names, which may hold the name
+// of a patient, are left out.
 
 #include <cstddef>
 #include <deque>
+#include <filesystem>
+#include <functional>
+#include <set>
 #include <string>
 
 namespace retractor::ui {
 
 class SessionLog {
 public:
-    /// @param kind "error", "message" or "action"
+    /// From now on this path, its folders' names and its file name are left out.
+    void hide(const std::filesystem::path& path);
+    /// @param kind "error" or "message"
     void add(const std::string& kind, const std::string& text);
     std::size_t size() const { return lines_.size(); }
 
@@ -21,9 +26,11 @@ public:
 private:
     static constexpr std::size_t kMostLines = 2000; ///< the oldest are dropped
     std::deque<std::string> lines_;
+    std::set<std::string, std::greater<>> hidden_; ///< longer words that begin alike come first
 };
 
-/// The text without what looks like a path in the file system: "…" stands for it.
+/// The text without what looks like a path in the file system: "…" stands for it. A place in a case file, such as
+/// "/approaches/0/depth_mm", stays.
 std::string without_paths(const std::string& text);
 
 } // namespace retractor::ui

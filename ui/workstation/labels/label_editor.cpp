@@ -8,6 +8,7 @@
 #include <QWidget>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -74,6 +75,9 @@ LabelEditor::LabelEditor(PictureView& view, LabelPanel& panel, QWidget& window)
     panel_.on_action = [this](LabelPanel::Action action) { act(action); };
     tool_.on_edit = [this] { on_labels(); };
     tool_.on_refusal = [this](const QString& text) { on_message(text); };
+    tool_.on_unlabelled = [this](std::size_t count) {
+        on_message(QString("%1 voxels have no label now. Paint another label there.").arg(count));
+    };
     tool_.on_size = [this](double across_px) { view_.setCursor(circle_cursor(across_px)); };
 }
 
@@ -82,7 +86,8 @@ void LabelEditor::set_case(planner::Case planned_case, ReadLabels read)
     set_active(false);
     ++generation_;
     working_ = 0;
-    reading_ = false;
+    reading_ = busy_ = false;
+    panel_.setEnabled(true);
     tool_.set_session(nullptr);
     session_.reset();
     case_ = std::move(planned_case);
@@ -115,6 +120,7 @@ void LabelEditor::work(std::function<std::function<void()>()> make)
 
 void LabelEditor::set_active(bool active)
 {
+    active = active && read_ != nullptr;
     if (active == active_)
         return;
     active_ = active;
@@ -123,9 +129,17 @@ void LabelEditor::set_active(bool active)
         view_.unsetCursor();
         return;
     }
-    if (session_ == nullptr && read_ && !reading_) {
-        reading_ = true;
-        work([this, read = read_]() -> std::function<void()> {
+    if (session_ == nullptr && !reading_)
+        read_labels();
+    show_state();
+}
+
+void LabelEditor::read_labels()
+{
+    reading_ = true;
+    waiting_ = "Reading the labels …";
+    work([this, read = read_]() -> std::function<void()> {
+        try {
             const std::shared_ptr<const mesh::LabelVolume> labels = read();
             return [this, labels] {
                 reading_ = false;
@@ -134,24 +148,31 @@ void LabelEditor::set_active(bool active)
                 show_state();
                 on_labels();
             };
-        });
-    }
-    show_state();
+        } catch (...) {
+            return [this, failure = current_failure()] {
+                reading_ = false;
+                waiting_ = "The labels cannot be read: " + QString::fromStdString(to_string(failure));
+                show_state();
+                on_failure(failure);
+            };
+        }
+    });
 }
 
 void LabelEditor::show_state()
+{
+    panel_.show_session(session_.get(), waiting_);
+    tool_.set_state(brush_state());
+}
+
+/// What the panel says, with the chosen label.
+LabelBrushState LabelEditor::brush_state() const
 {
     LabelBrushState state = panel_.state();
     if (session_ != nullptr)
         if (const mesh::LabelInfo* info = mesh::find_label(session_->table(), panel_.chosen()))
             state.label = info->id;
-    tool_.set_state(state);
-    panel_.show_session(session_.get(), waiting_);
-    if (session_ != nullptr && state.label == 0) // the list was empty before
-        if (const mesh::LabelInfo* info = mesh::find_label(session_->table(), panel_.chosen())) {
-            state.label = info->id;
-            tool_.set_state(state);
-        }
+    return state;
 }
 
 /// Shows where the chosen label lies.
@@ -166,7 +187,7 @@ void LabelEditor::show_chosen()
 
 void LabelEditor::undo()
 {
-    if (session_ == nullptr || !session_->to_undo())
+    if (session_ == nullptr || busy_ || !session_->to_undo())
         return;
     session_->undo();
     show_state();
@@ -175,7 +196,7 @@ void LabelEditor::undo()
 
 void LabelEditor::redo()
 {
-    if (session_ == nullptr || !session_->to_redo())
+    if (session_ == nullptr || busy_ || !session_->to_redo())
         return;
     session_->redo();
     show_state();
@@ -184,6 +205,8 @@ void LabelEditor::redo()
 
 void LabelEditor::attempt(const std::function<void(planner::LabelSession&)>& change)
 {
+    if (session_ == nullptr)
+        return;
     try {
         change(*session_);
     } catch (...) {
@@ -205,67 +228,64 @@ std::optional<std::string> LabelEditor::ask_for_label(
         }
     if (words.isEmpty())
         return std::nullopt;
+    const int generation = generation_;
     bool chosen = false;
     const QString word = QInputDialog::getItem(&window_, title, question, words, 0, false, &chosen);
     const auto at = words.indexOf(word);
-    return chosen && at >= 0 ? std::optional(names[static_cast<std::size_t>(at)]) : std::nullopt;
+    // Another case may have been opened while the dialog waited.
+    return chosen && at >= 0 && generation == generation_ ? std::optional(names[static_cast<std::size_t>(at)])
+                                                          : std::nullopt;
 }
 
 std::optional<std::string> LabelEditor::ask_for_name(
     const QString& title, const QString& question, const std::string& proposed)
 {
+    const int generation = generation_;
     bool given = false;
-    const QString text = QInputDialog::getText(
-        &window_, title, question, QLineEdit::Normal, QString::fromStdString(proposed), &given);
-    return given ? std::optional(text.trimmed().toStdString()) : std::nullopt;
+    QString text
+        = QInputDialog::getText(&window_, title, question, QLineEdit::Normal, QString::fromStdString(proposed), &given);
+    text = text.trimmed().replace(' ', '_'); // names are words joined by underscores; the list shows spaces
+    return given && generation == generation_ ? std::optional(text.toStdString()) : std::nullopt;
 }
 
 void LabelEditor::act(LabelPanel::Action action)
 {
     using Action = LabelPanel::Action;
-    if (session_ == nullptr)
+    if (session_ == nullptr || busy_)
         return;
     const std::string name = panel_.chosen();
     const QString words = QString::fromStdString(readable(name));
     const mesh::LabelInfo* info = mesh::find_label(session_->table(), name);
-    const auto edit = [&](const planner::LabelSession::MakeEdit& make) {
-        attempt([&](planner::LabelSession& session) {
-            if (!session.edit(make))
-                on_message("There is nothing to change.");
-        });
-    };
-    const mesh::LabelFlags nothing_kept(mesh::kLabelCount, 0);
+    const mesh::LabelFlags kept = kept_by(brush_state(), session_->table());
     const Label label = info == nullptr ? Label { 0 } : info->id;
     switch (action) {
     case Action::smooth:
-        return edit([&](const mesh::LabelVolume& labels) {
-            return datasets::smoothed(labels, label, kSmoothVoxels, nothing_kept);
+        return edit_whole([label, kept](const mesh::LabelVolume& labels) {
+            return datasets::smoothed(labels, label, kSmoothVoxels, kept);
         });
     case Action::largest:
-        return edit([&](const mesh::LabelVolume& labels) { return datasets::without_islands(labels, label); });
+        return edit_whole(
+            [label](const mesh::LabelVolume& labels) { return datasets::without_islands(labels, label); });
     case Action::between:
-        return edit([&](const mesh::LabelVolume& labels) {
-            return datasets::interpolated(
-                labels, label, datasets::nearest_axis(labels.grid, Vec3::UnitZ()), nothing_kept);
+        return edit_whole([label, kept](const mesh::LabelVolume& labels) {
+            return datasets::interpolated(labels, label, datasets::nearest_axis(labels.grid, Vec3::UnitZ()), kept);
         });
     case Action::confirm:
         return attempt([&](planner::LabelSession& session) { session.confirm(name); });
     case Action::join:
         if (const auto into = ask_for_label("Join labels", "Make " + words + " a part of", name))
-            attempt([&](planner::LabelSession& session) { session.join(name, *into); });
+            attempt([&](planner::LabelSession& session) {
+                session.join(name, *into);
+                show_state();
+                panel_.choose(*into);
+            });
         return;
     case Action::rename:
         if (const auto new_name = ask_for_name("Rename a label", "New name of " + words, name))
             attempt([&](planner::LabelSession& session) { session.rename(name, *new_name); });
         return;
     case Action::add:
-        if (const auto new_name = ask_for_name("New label", "Name of the new target, such as aneurysm", {}))
-            attempt([&](planner::LabelSession& session) {
-                session.add_label(*new_name, "vessel", mesh::Role::target);
-                show_state();
-                panel_.choose(*new_name);
-            });
-        return;
+        return add_label();
     case Action::save:
         return save();
     case Action::discard:
@@ -275,6 +295,67 @@ void LabelEditor::act(LabelPanel::Action action)
         on_labels();
         return;
     }
+}
+
+/// Makes an edit of a whole label on the executor: it may take a second.
+void LabelEditor::edit_whole(const planner::LabelSession::MakeEdit& make)
+{
+    const std::shared_ptr<const mesh::LabelVolume> labels = session_->labels();
+    const auto wait = [this](bool waits) {
+        busy_ = waits;
+        panel_.setEnabled(!waits);
+        tool_.set_session(waits ? nullptr : session_.get());
+    };
+    wait(true);
+    on_message("Working …");
+    work([this, labels, make, wait]() -> std::function<void()> {
+        try {
+            auto made = std::make_shared<datasets::LabelEdit>(make(*labels));
+            return [this, made, wait] {
+                wait(false);
+                attempt([&](planner::LabelSession& session) {
+                    const bool changed = session.edit([&](const mesh::LabelVolume&) { return *made; });
+                    on_message(changed ? QString::fromStdString("Done: " + made->what) : "There is nothing to change.");
+                });
+            };
+        } catch (...) {
+            return [this, wait, failure = current_failure()] {
+                wait(false);
+                on_failure(failure);
+            };
+        }
+    });
+}
+
+void LabelEditor::add_label()
+{
+    struct Kind {
+        const char* words;
+        const char* material;
+        mesh::Role role;
+    };
+    constexpr std::array kKinds { Kind { "a target, such as an aneurysm", "vessel", mesh::Role::target },
+        Kind { "a structure at risk, such as a vessel", "vessel", mesh::Role::at_risk },
+        Kind { "a bone of the wall, such as a rib", "bone", mesh::Role::wall },
+        Kind { "an organ that hides the view", "muscle", mesh::Role::voxel } };
+    const auto name = ask_for_name("New label", "Name, such as aneurysm or rib_left_4", {});
+    if (!name)
+        return;
+    QStringList words;
+    for (const Kind& kind : kKinds)
+        words += kind.words;
+    const int generation = generation_;
+    bool chosen = false;
+    const QString word = QInputDialog::getItem(&window_, "New label", "What is it?", words, 0, false, &chosen);
+    const auto at = words.indexOf(word);
+    if (!chosen || at < 0 || generation != generation_)
+        return;
+    const Kind& kind = kKinds.at(static_cast<std::size_t>(at));
+    attempt([&](planner::LabelSession& session) {
+        session.add_label(*name, kind.material, kind.role);
+        show_state();
+        panel_.choose(*name);
+    });
 }
 
 void LabelEditor::save()

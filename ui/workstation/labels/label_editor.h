@@ -49,12 +49,17 @@ public:
 
 private:
     void act(LabelPanel::Action action);
+    void edit_whole(const planner::LabelSession::MakeEdit& make);
+    void add_label();
     void save();
+    void read_labels();
+    LabelBrushState brush_state() const;
     void show_state();
     void show_chosen();
     /// Calls `change`; a refusal is shown.
     void attempt(const std::function<void(planner::LabelSession&)>& change);
-    std::optional<std::string> ask_for_label(const QString& title, const QString& question, const std::string& not_this);
+    std::optional<std::string> ask_for_label(
+        const QString& title, const QString& question, const std::string& not_this);
     std::optional<std::string> ask_for_name(const QString& title, const QString& question, const std::string& proposed);
     /// Runs `make` on the executor and what it returns in the window's thread, unless another case was opened.
     void work(std::function<std::function<void()>()> make);
@@ -67,6 +72,7 @@ private:
     ReadLabels read_;
     std::unique_ptr<planner::LabelSession> session_;
     bool active_ = false, reading_ = false;
+    bool busy_ = false; ///< a whole label is being edited
     QString waiting_; ///< why there is no session
     int generation_ = 0; ///< number of the case
     int working_ = 0;

@@ -16,15 +16,14 @@
 #include <QToolButton>
 #include <QVBoxLayout>
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
 
 namespace retractor::ui {
 
 namespace {
 
     constexpr int kLargestBrushMm = 40, kUsualBrushMm = 4;
-    constexpr int kNameRole = Qt::UserRole;
+    constexpr int kNameRole = Qt::UserRole, kIdRole = Qt::UserRole + 1;
 
     QIcon square(const Color& color)
     {
@@ -113,8 +112,7 @@ LabelPanel::LabelPanel(QWidget* parent)
             on_state();
     });
     connect(list_, &QListWidget::itemClicked, this, [this] { on_click(); });
-    connect(actions_, &QButtonGroup::idClicked, this,
-        [this](int action) { on_action(static_cast<Action>(action)); });
+    connect(actions_, &QButtonGroup::idClicked, this, [this](int action) { on_action(static_cast<Action>(action)); });
     show_size();
 }
 
@@ -138,22 +136,14 @@ void LabelPanel::show_session(const planner::LabelSession* session, const QStrin
     note_->setText(session == nullptr ? waiting
             : session->changed()      ? "Corrected, not saved. Plans use the labels after Save labels."
                                       : "Choose a label, then paint on a slice. The wheel turns the slices.");
-    const std::string kept = chosen();
-    showing_ = true;
-    list_->clear();
+    std::vector<Row> rows;
     if (session != nullptr)
-        for (const mesh::LabelInfo& info : session->table()) {
-            QString words = QString::fromStdString(readable(info.name));
-            if (session->is_estimated(info.name))
-                words += "  (estimated)";
-            auto* item = new QListWidgetItem(square(label_color(info.name)), words, list_);
-            item->setData(kNameRole, QString::fromStdString(info.name));
-            if (info.name == kept)
-                list_->setCurrentItem(item);
-        }
-    if (list_->currentRow() < 0 && list_->count() > 0)
-        list_->setCurrentRow(0);
-    showing_ = false;
+        for (const mesh::LabelInfo& info : session->table())
+            rows.push_back({ info.id, info.name, session->is_estimated(info.name) });
+    if (rows != rows_) {
+        rows_ = std::move(rows);
+        fill_list();
+    }
     const std::string name = chosen();
     for (QAbstractButton* button : actions_->buttons())
         button->setEnabled(session != nullptr && !name.empty());
@@ -163,6 +153,29 @@ void LabelPanel::show_session(const planner::LabelSession* session, const QStrin
         button(action).setEnabled(session != nullptr && session->changed());
     for (QAbstractButton* brush : brushes_->buttons())
         brush->setEnabled(session != nullptr);
+}
+
+/// The chosen label stays chosen by its id, also under another name.
+void LabelPanel::fill_list()
+{
+    const QListWidgetItem* before = list_->currentItem();
+    const int kept = before == nullptr ? 0 : before->data(kIdRole).toInt();
+    showing_ = true;
+    list_->clear();
+    list_->setCurrentRow(-1);
+    for (const Row& row : rows_) {
+        QString words = QString::fromStdString(readable(row.name));
+        if (row.estimated)
+            words += "  (estimated)";
+        auto* item = new QListWidgetItem(square(label_color(row.name)), words, list_);
+        item->setData(kNameRole, QString::fromStdString(row.name));
+        item->setData(kIdRole, static_cast<int>(row.id));
+    }
+    list_->setCurrentRow(-1);
+    for (int n = 0; n < list_->count(); ++n)
+        if (list_->item(n)->data(kIdRole).toInt() == kept)
+            list_->setCurrentRow(n);
+    showing_ = false;
 }
 
 LabelBrushState LabelPanel::state() const

@@ -8,10 +8,10 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 class QButtonGroup;
 class QCheckBox;
-class QComboBox;
 class QLabel;
 class QListWidget;
 class QPushButton;
@@ -45,6 +45,7 @@ public:
 private:
     QPushButton* add_button(Action action, const QString& text, const QString& tip);
     void show_size();
+    void fill_list();
 
     QButtonGroup* brushes_ = nullptr;
     QSlider* size_ = nullptr;
@@ -53,6 +54,14 @@ private:
     QListWidget* list_ = nullptr;
     QButtonGroup* actions_ = nullptr;
     bool showing_ = false; ///< the list is being filled
+    /// A line of the list.
+    struct Row {
+        Label id = 0;
+        std::string name;
+        bool estimated = false;
+        bool operator==(const Row&) const = default;
+    };
+    std::vector<Row> rows_;
 };
 
 } // namespace retractor::ui

@@ -4,8 +4,9 @@
 #include "planner/case/label_session.h"
 #include "ui/workstation/view/picture_view.h"
 
+#include <cstddef>
 #include <functional>
-#include <optional>
+#include <vector>
 
 namespace retractor::ui {
 
@@ -19,6 +20,9 @@ struct LabelBrushState {
     bool ball = false; ///< a ball in place of a disc in the slice
     bool keeps_bone = true; ///< bone and cartilage are not painted over, unless bone is painted
 };
+
+/// Labels that the brush does not paint over.
+mesh::LabelFlags kept_by(const LabelBrushState& state, const mesh::LabelTable& table);
 
 class LabelTool : public PictureTool {
 public:
@@ -38,16 +42,18 @@ public:
     // Set by the owner.
     std::function<void()> on_edit; ///< the labels changed
     std::function<void(const QString&)> on_refusal;
+    std::function<void(std::size_t)> on_unlabelled; ///< number of voxels that an erased stroke left without a label
     std::function<void(double)> on_size; ///< the brush is to look this large (pixels across) where the mouse is
 
 private:
-    void stroke_to(const Vec3& place, bool goes_on);
+    datasets::LabelEdit edit_of(const mesh::LabelVolume& labels) const;
+    void stroke_to(const Vec3& place);
     void show_size(const QPointF& at);
 
     PictureView& view_;
     planner::LabelSession* session_ = nullptr;
     LabelBrushState state_;
-    std::optional<Vec3> last_; ///< place of the stroke that the left button draws
+    std::vector<Vec3> path_; ///< of the stroke that the left button draws
     Vec3 normal_ = Vec3::UnitZ(); ///< of the slice on which it was begun
     bool began_ = false; ///< the stroke has changed a voxel
 };

@@ -112,8 +112,7 @@ void ApproachList::show_model(const SessionModel& model)
         const auto index = static_cast<std::size_t>(row);
         const QString detail = detail_of(model, index);
         const bool chosen = model.approach(index).name == model.chosen_approach();
-        item(row)->setText(
-            (chosen ? "✓ " : "") + QString::fromStdString(planner::spoken_name(model.approach(index))));
+        item(row)->setText((chosen ? "✓ " : "") + QString::fromStdString(planner::spoken_name(model.approach(index))));
         item(row)->setData(kDetailRole, detail);
         item(row)->setData(kColorRole, color_of(model.state(index)));
         item(row)->setToolTip(QString::fromStdString(model.approach(index).name) + ": " + detail

@@ -121,8 +121,8 @@ namespace {
                 "you "
                 "cut");
         if (planner::divides_sternum(approach.division.extent))
-            remark(setup.caution,
-                "plans saw the sternum across under the skin, cutting by hand divides it where you cut");
+            remark(
+                setup.caution, "plans saw the sternum across under the skin, cutting by hand divides it where you cut");
         setup.write_wall
             = [](const std::filesystem::path& file, const mesh::TetMesh& wall) { mesh::write_vtu(file, wall); };
         Vec3 inward = Vec3::Zero();

@@ -33,8 +33,8 @@ namespace annulus_test {
     TEST(Annulus, ARingTellsItsPlaneInAnyPose)
     {
         for (const double turn : { 0.0, 0.7, 2.0 }) {
-            const Eigen::Isometry3d pose = Eigen::Translation3d(5.0, -20.0, 100.0)
-                * Eigen::AngleAxisd(turn, Vec3(1.0, 0.4, -0.3).normalized());
+            const Eigen::Isometry3d pose
+                = Eigen::Translation3d(5.0, -20.0, 100.0) * Eigen::AngleAxisd(turn, Vec3(1.0, 0.4, -0.3).normalized());
             const double tilt = 30.0 * kPi / 180.0;
             const Vec3 opening = pose * Vec3(100.0 * std::sin(tilt), 0.0, 100.0 * std::cos(tilt));
             const AnnulusAccess access
@@ -70,6 +70,15 @@ namespace annulus_test {
         EXPECT_EQ(given.message, "");
         EXPECT_TRUE(given.given);
         EXPECT_NEAR(given.opening_off_axis_deg, 45.0, 1e-9);
+    }
+
+    TEST(Annulus, APatchOfTheWallIsNoRing)
+    {
+        // A third of the band, and a flat piece: thin across the wall, which is not the valve's axis.
+        TriMesh third = band(12.0, 10.0);
+        third.triangles.resize(third.triangles.size() / 3);
+        EXPECT_NE(annulus_access(kTarget, third, Vec3(0, 0, 80), Vec3(0, 0, 400)).message, "");
+        EXPECT_NE(annulus_access(kTarget, ring(0.0, 8.0, 0.0), Vec3(0, 0, 80), Vec3(0, 0, 400)).message, "");
     }
 
     TEST(Annulus, OnlyASiteIsAnAnnulus)

@@ -259,6 +259,22 @@ namespace conference_window_test {
         EXPECT_EQ(without_paths("~/x and ./y and ../z/w"), "… and … and …");
         EXPECT_EQ(without_paths("3 mm/s at 3/4"), "3 mm/s at 3/4");
         EXPECT_EQ(without_paths("\"/a/b\""), "\"…\"");
+        EXPECT_EQ(
+            without_paths("must be above 0 (/approaches/0/depth_mm)"), "must be above 0 (/approaches/0/depth_mm)");
+    }
+
+    TEST(SessionLog, LeavesTheNamesOfKnownFilesOut)
+    {
+        SessionLog log;
+        log.hide("/data/Doe John/Doe_John.png");
+        log.hide("Miller/case.json");
+        log.add("message", "Saved /data/Doe John/Doe_John.png");
+        log.add("error", "Miller/case.json is damaged; Doe_John");
+        const std::string text = log.text("none");
+        for (const char* name : { "Doe", "John", "Miller" })
+            EXPECT_EQ(text.find(name), std::string::npos) << text;
+        EXPECT_NE(text.find("is damaged"), std::string::npos);
+        EXPECT_EQ(log.size(), 2U);
     }
 
     TEST(Manual, IsFoundAboveTheProgramAndOpensAtAHeading)
@@ -267,7 +283,8 @@ namespace conference_window_test {
         std::filesystem::create_directories(folder.path / "docs/user");
         std::filesystem::create_directories(folder.path / "build/release/bin");
         std::ofstream(folder.path / "docs/user/workstation.md")
-            << "# The workstation\n\n[more](more.md)\n\n" << std::string(20000, 'x') << "\n\n## Measuring\n\nWith R.\n";
+            << "# The workstation\n\n[more](more.md)\n\n"
+            << std::string(20000, 'x') << "\n\n## Measuring\n\nWith R.\n";
         const auto found = manual_folder(folder.path / "build/release/bin");
         ASSERT_TRUE(found);
         EXPECT_FALSE(manual_folder(folder.path / "build"));

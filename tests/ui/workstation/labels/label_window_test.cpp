@@ -4,6 +4,7 @@
 #include "tests/support/window_help.h"
 
 #include "datasets/io/volume_io.h"
+#include "mesh/base/error.h"
 #include "planner/case/case_io.h"
 #include "planner/case/import_case.h"
 #include "planner/case/patient.h"
@@ -16,6 +17,7 @@
 
 #include <QAbstractButton>
 #include <QApplication>
+#include <QInputDialog>
 #include <QListWidget>
 #include <QMessageBox>
 #include <QPushButton>
@@ -25,6 +27,7 @@
 #include <QWheelEvent>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -80,7 +83,8 @@ namespace label_window_test {
         /// the first of four.
         QPoint at(double across, double down)
         {
-            return { static_cast<int>(across * window_.view().width()), static_cast<int>(down * window_.view().height()) };
+            return { static_cast<int>(across * window_.view().width()),
+                static_cast<int>(down * window_.view().height()) };
         }
         void drag(const QPoint& from, const QPoint& to)
         {
@@ -166,11 +170,11 @@ namespace label_window_test {
         open_labels();
         const double before = window_.view().scenes().front().slices.front().point.z();
         const QPoint place = at(0.2, 0.2);
-        QWheelEvent wheel(place, window_.view().mapToGlobal(place), {}, QPoint(0, 120), Qt::NoButton, {},
-            Qt::NoScrollPhase, false);
+        QWheelEvent wheel(
+            place, window_.view().mapToGlobal(place), {}, QPoint(0, 120), Qt::NoButton, {}, Qt::NoScrollPhase, false);
         QApplication::sendEvent(&window_.view(), &wheel);
-        EXPECT_TRUE(QTest::qWaitFor(
-            [&] { return window_.view().scenes().front().slices.front().point.z() != before; }, test_support::kPatienceMs));
+        EXPECT_TRUE(QTest::qWaitFor([&] { return window_.view().scenes().front().slices.front().point.z() != before; },
+            test_support::kPatienceMs));
     }
 
     TEST_F(LabelWindowTest, AClickOnALabelShowsWhereItLies)
@@ -185,6 +189,125 @@ namespace label_window_test {
         const Vec3 place = *window_.model()->slice_place();
         EXPECT_NEAR(place.x(), 49.0, 2.0);
         EXPECT_NEAR(place.y(), 39.0, 2.0);
+    }
+
+    TEST_F(LabelWindowTest, NothingIsPaintedBeforeALabelIsChosen)
+    {
+        open_labels();
+        EXPECT_EQ(window_.label_panel().chosen(), "");
+        drag(at(0.15, 0.2), at(0.3, 0.2));
+        EXPECT_FALSE(window_.label_editor().changed());
+        EXPECT_NE(window_.message_line().find("Choose a label"), std::string::npos);
+    }
+
+    TEST_F(LabelWindowTest, ErasingDependsOnTheWayAndNotOnItsSteps)
+    {
+        open_labels();
+        window_.label_panel().choose("aneurysm");
+        QTest::mouseClick(tool("Erase"), Qt::LeftButton);
+        // From the middle of the vessel outwards: what is erased becomes muscle, and nothing is left without a label.
+        drag(at(0.25, 0.25), at(0.12, 0.25));
+        EXPECT_TRUE(window_.label_editor().changed());
+        EXPECT_EQ(voxels(0), 0U);
+    }
+
+    TEST_F(LabelWindowTest, ARenamedLabelStaysChosen)
+    {
+        open_labels();
+        window_.label_panel().choose("aneurysm");
+        QTimer::singleShot(0, &window_, [] {
+            auto* dialog = qobject_cast<QInputDialog*>(QApplication::activeModalWidget());
+            ASSERT_NE(dialog, nullptr);
+            dialog->setTextValue("neck of the aneurysm");
+            dialog->accept();
+        });
+        press(LabelPanel::Action::rename);
+        EXPECT_EQ(window_.label_panel().chosen(), "neck_of_the_aneurysm");
+        QTest::keyClick(&window_, Qt::Key_Z, Qt::ControlModifier);
+        EXPECT_EQ(window_.label_panel().chosen(), "aneurysm");
+    }
+
+    TEST_F(LabelWindowTest, AWholeLabelIsEditedInTheBackground)
+    {
+        open_labels();
+        window_.label_panel().choose("aneurysm");
+        window_.label_panel().size().setValue(2);
+        drag(at(0.1, 0.15), at(0.1, 0.15)); // an island
+        const std::size_t with_island = voxels(kVessel);
+        press(LabelPanel::Action::largest);
+        EXPECT_LT(voxels(kVessel), with_island);
+        EXPECT_TRUE(window_.label_panel().isEnabled());
+        press(LabelPanel::Action::largest);
+        EXPECT_NE(window_.message_line().find("nothing to change"), std::string::npos);
+    }
+
+    TEST_F(LabelWindowTest, TheKnifeTakesTheMouseFromTheBrush)
+    {
+        open_labels();
+        QTest::keyClick(&window_, Qt::Key_Escape);
+        EXPECT_FALSE(window_.label_editor().active());
+        QTest::keyClick(&window_, Qt::Key_C);
+        EXPECT_TRUE(window_.label_editor().active());
+        window_.close_case();
+        window_.open(block_case(folder_.path / "other"));
+        test_support::wait_until_idle(window_);
+        EXPECT_FALSE(window_.label_editor().active()) << "the mouse turns the picture of another case";
+    }
+
+    TEST_F(LabelWindowTest, LabelsThatCannotBeReadAreTriedAgain)
+    {
+        test_support::show_window(window_);
+        window_.open(block_case(folder_.path));
+        test_support::wait_until_idle(window_);
+        // The patient has read its labels for the picture: a window that has not finds none.
+        MainWindow other { [](const planner::Case& planned_case) {
+            PlanningBackend backend = make_planning_backend(planned_case);
+            backend.labels = [tries = std::make_shared<int>(0), read = backend.labels] {
+                if (++*tries == 1)
+                    throw IoError("the file is away", "labels.nrrd");
+                return read();
+            };
+            return backend;
+        } };
+        test_support::show_window(other);
+        other.open(planner::read_case(folder_.path / "case.json"));
+        test_support::wait_until_idle(other);
+        QTest::keyClick(&other, Qt::Key_C);
+        test_support::wait_until_idle(other);
+        EXPECT_EQ(other.label_editor().session(), nullptr);
+        EXPECT_NE(other.error_line().find("the file is away"), std::string::npos);
+        QTest::keyClick(&other, Qt::Key_2);
+        QTest::keyClick(&other, Qt::Key_C);
+        test_support::wait_until_idle(other);
+        EXPECT_NE(other.label_editor().session(), nullptr);
+    }
+
+    TEST_F(LabelWindowTest, ACaseThatAnotherProgramChangedTakesTheLabelsToo)
+    {
+        open_labels();
+        window_.label_panel().choose("aneurysm");
+        drag(at(0.15, 0.2), at(0.3, 0.2));
+        const auto wanted = session()->labels();
+        planner::Case other = planner::read_case(folder_.path / "case.json");
+        other.accept_implausible = true;
+        planner::write_case(other);
+        std::filesystem::last_write_time(folder_.path / "case.json",
+            std::filesystem::last_write_time(folder_.path / "case.json") + std::chrono::seconds(2));
+        QTimer timer;
+        bool asked = false;
+        QObject::connect(&timer, &QTimer::timeout, [&] {
+            if (auto* question = qobject_cast<QMessageBox*>(QApplication::activeModalWidget()); question && !asked) {
+                asked = true;
+                question->buttons().front()->click();
+            }
+        });
+        timer.start(20);
+        press(LabelPanel::Action::save);
+        EXPECT_TRUE(asked);
+        const planner::Case saved = planner::read_case(folder_.path / "case.json");
+        EXPECT_TRUE(saved.accept_implausible) << "what the other program wrote stays";
+        planner::Patient patient(saved);
+        EXPECT_EQ(patient.labels()->voxels, wanted->voxels);
     }
 
     TEST_F(LabelWindowTest, SavedLabelsAreThoseOfTheCase)

@@ -18,6 +18,9 @@ cp demo/intercostal_4-slices.png "$pictures/demo-slices.png"
 "$programs/retractor" search demo/patient/case.json --target aneurysm --out search
 cp search/search-map.png "$pictures/search-map.png"
 
+"$programs/retractor" ports demo/patient/case.json --target heart --side right --out ports
+cp ports/ports-1.png "$pictures/ports.png"
+
 "$programs/retractor" phantom thorax --out thorax
 "$programs/retractor" import thorax/ct --labels thorax/labels.nrrd --out case/case.json
 cp case/contact_sheet.png "$pictures/contact-sheet.png"

@@ -114,7 +114,11 @@ namespace {
                 std::size_t both = 0;
                 for (std::size_t s = 0; s < scene.samples().size(); ++s)
                     both += view.sees[s] && instruments[i].reached[s] && instruments[j].reached[s] ? 1 : 0;
-                PortPlan plan { .scope = scope, .view = view, .instruments = { a, b }, .between_deg = between };
+                PortPlan plan { .scope = scope,
+                    .view = view,
+                    .middle = scene.middle(),
+                    .instruments = { a, b },
+                    .between_deg = between };
                 plan.seen = static_cast<double>(view.seen) / static_cast<double>(bound);
                 plan.worked_on = static_cast<double>(both) / static_cast<double>(bound);
                 plan.points = points_of(plan);

@@ -35,8 +35,8 @@ struct PortRequest {
     bool left = false;
     Optics optics {};
     PortSizes sizes {};
-    int highest_space = 2, lowest_space = 8;
-    double from_deg = 55.0, to_deg = 160.0; ///< from behind the posterior axillary line to beside the sternum
+    int highest_space = 3, lowest_space = 8;
+    double from_deg = 70.0, to_deg = 160.0; ///< from the posterior axillary line to beside the sternum
     std::vector<std::string> aside {}; ///< organs held aside besides the usual ones
 };
 
@@ -44,6 +44,7 @@ struct PortRequest {
 struct PortPlan {
     Port scope;
     ScopeView view;
+    Vec3 middle = Vec3::Zero(); ///< of the target's surface, where the instruments work
     std::array<Port, 2> instruments {};
     double seen = 0.0; ///< by the scope
     double worked_on = 0.0; ///< seen, and reached by both instruments

@@ -62,13 +62,12 @@ namespace {
         scene.surfaces.push_back(
             { .name = "body", .mesh = patient.body(), .look = tissue_look("skin"), .opacity = kClearSkin });
         scene.surfaces.push_back(target_item(patient, request.target));
-        const Vec3 middle = plan.view.tip + plan.view.to_target_mm * plan.view.view;
         scene.lines.push_back(shaft_line("scope", plan.view.tip, plan.scope.skin, kShownOutsideMm, kScopeColor));
         scene.legend.push_back({ "scope: " + planner::place_in_words(plan.scope), {}, kScopeColor });
         for (std::size_t n = 0; n < plan.instruments.size(); ++n) {
             const planner::Port& port = plan.instruments.at(n);
             scene.lines.push_back(shaft_line(
-                "instrument " + std::to_string(n + 1), middle, port.skin, kShownOutsideMm, kShaftColors.at(n)));
+                "instrument " + std::to_string(n + 1), plan.middle, port.skin, kShownOutsideMm, kShaftColors.at(n)));
             scene.legend.push_back({ "instrument: " + planner::place_in_words(port), {}, kShaftColors.at(n) });
         }
         scene.legend_share = 0.6;

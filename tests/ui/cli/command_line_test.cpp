@@ -67,7 +67,7 @@ TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command :
         { "phantom", "import", "labels list", "labels paint", "labels interpolate", "approach add", "approach guide",
-            "hooks", "tension", "mesh", "cut", "plan", "render", "compare", "search", "batch", "demo", "doctor",
+            "hooks", "tension", "mesh", "cut", "plan", "render", "compare", "search", "ports", "batch", "demo", "doctor",
             "palpable", "palpate", "relay", "train", "train expert", "train test", "train report", "evidence",
             "evidence complications", "evidence rules", "evidence show-rule", "evidence generate" }) {
         const CommandRun help = run(std::string(command) + " --help");

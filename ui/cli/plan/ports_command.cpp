@@ -193,7 +193,7 @@ void add_ports_command(Commands& commands)
     command->add_option("--shaft", options->sizes.shaft_mm, "Diameter of an instrument, mm")
         ->check(in_range(1.0, 20.0))
         ->capture_default_str();
-    command->add_option("--spaces", options->spaces, "Intercostal spaces that are tried, such as 3-6 (default: 2-8)");
+    command->add_option("--spaces", options->spaces, "Intercostal spaces that are tried, such as 3-6 (default: 3-8)");
     command
         ->add_option("--retract", options->retracted,
             "Organs that are held aside besides the lung of this side, the pericardium and the fat of the mediastinum, "

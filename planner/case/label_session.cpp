@@ -38,8 +38,17 @@ namespace {
 
 LabelSession::LabelSession(const Case& planned_case, const std::shared_ptr<const mesh::LabelVolume>& labels)
     : labels_(std::make_shared<mesh::LabelVolume>(*labels))
+    , counts_(mesh::kLabelCount, 0)
     , names_(names_of(planned_case))
 {
+    for (const Label label : labels_->voxels)
+        ++counts_[label];
+}
+
+double LabelSession::volume_ml(Label label) const
+{
+    constexpr double kMm3PerMl = 1000.0;
+    return static_cast<double>(counts_[label]) * labels_->grid.voxel_volume() / kMm3PerMl;
 }
 
 bool LabelSession::is_estimated(const std::string& name) const { return planner::is_estimated(names_, name); }
@@ -60,10 +69,15 @@ mesh::LabelVolume& LabelSession::writable()
     return *labels_;
 }
 
-void LabelSession::note_changes(const Step& step)
+void LabelSession::note_changes(const Step& step, bool made)
 {
-    for (const datasets::LabelEdit& edit : step.edits)
+    for (const datasets::LabelEdit& edit : step.edits) {
         behind_.insert(behind_.end(), edit.voxels.begin(), edit.voxels.end());
+        for (std::size_t n = 0; n < edit.voxels.size(); ++n) {
+            --counts_[made ? edit.before[n] : edit.after[n]];
+            ++counts_[made ? edit.after[n] : edit.before[n]];
+        }
+    }
     if (behind_.size() > labels_->voxels.size()) { // a copy is cheaper
         spare_.reset();
         behind_.clear();
@@ -185,7 +199,7 @@ void LabelSession::move(Step& step, bool make_again)
     else
         for (auto edit = step.edits.rbegin(); edit != step.edits.rend(); ++edit)
             datasets::take_back(labels, *edit);
-    note_changes(step);
+    note_changes(step, make_again);
     if (step.correct) {
         names_ = make_again ? step.after : step.before;
         labels.table = names_.label_table;

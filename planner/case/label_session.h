@@ -25,6 +25,8 @@ public:
     std::shared_ptr<const mesh::LabelVolume> labels() const { return labels_; }
     const mesh::LabelTable& table() const { return labels_->table; }
     bool is_estimated(const std::string& name) const;
+    /// Volume of a label now, ml.
+    double volume_ml(Label label) const;
 
     using MakeEdit = std::function<datasets::LabelEdit(const mesh::LabelVolume&)>;
     /// How an edit stands to the last step, as the parts of a stroke do.
@@ -68,7 +70,8 @@ private:
         Case before {}, after {}; ///< where `correct` is set: names and marks alone
     };
     mesh::LabelVolume& writable();
-    void note_changes(const Step& step);
+    /// @param made whether the step was made, or taken back
+    void note_changes(const Step& step, bool made);
     void take(Step step);
     /// @param make_again whether a step is made again, or else taken back
     void move(Step& step, bool make_again);
@@ -79,6 +82,7 @@ private:
     /// An older state, so that a picture that holds labels_ costs no copy of all voxels; null: there is none.
     std::shared_ptr<mesh::LabelVolume> spare_;
     std::vector<std::size_t> behind_; ///< voxels in which spare_ may differ from labels_
+    std::vector<std::size_t> counts_; ///< of voxels, by label
     Case names_; ///< the case, with the corrections made so far
     std::vector<Step> done_, undone_;
 };

@@ -73,6 +73,29 @@ namespace label_session_test {
         EXPECT_NE(mesh::find_label(session.table(), "rib_left_3"), nullptr);
     }
 
+    TEST(LabelSession, VolumesFollowTheEdits)
+    {
+        LabelSession session(planned(), image());
+        const auto counted = [&](Label label) {
+            return static_cast<double>(std::ranges::count(session.labels()->voxels, label)) / 1000.0; // of 1 mm3
+        };
+        const auto right = [&] {
+            for (Label label = 0; label <= 3; ++label)
+                EXPECT_NEAR(session.volume_ml(label), counted(label), 1e-12) << label;
+        };
+        right();
+        session.edit(ball(5, 2));
+        right();
+        session.edit(ball(7, 3), LabelSession::Part::instead);
+        right();
+        session.join("rib_left_4", "rib_left_5");
+        right();
+        session.undo();
+        right();
+        session.undo();
+        right();
+    }
+
     TEST(LabelSession, AStrokeIsOneStep)
     {
         LabelSession session(planned(), image());

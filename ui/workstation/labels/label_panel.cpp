@@ -144,6 +144,9 @@ void LabelPanel::show_session(const planner::LabelSession* session, const QStrin
         rows_ = std::move(rows);
         fill_list();
     }
+    for (int row = 0; row < list_->count(); ++row) // volumes change with every stroke
+        list_->item(row)->setText(words_of(
+            rows_[static_cast<std::size_t>(row)], session->volume_ml(rows_[static_cast<std::size_t>(row)].id)));
     const std::string name = chosen();
     for (QAbstractButton* button : actions_->buttons())
         button->setEnabled(session != nullptr && !name.empty());
@@ -155,6 +158,13 @@ void LabelPanel::show_session(const planner::LabelSession* session, const QStrin
         brush->setEnabled(session != nullptr);
 }
 
+/// "aneurysm, 88.7 ml (estimated)".
+QString LabelPanel::words_of(const Row& row, double volume_ml)
+{
+    return QString::fromStdString(readable(row.name)) + QString(", %1 ml").arg(volume_ml, 0, 'f', 1)
+        + (row.estimated ? " (estimated)" : "");
+}
+
 /// The chosen label stays chosen by its id, also under another name.
 void LabelPanel::fill_list()
 {
@@ -164,10 +174,7 @@ void LabelPanel::fill_list()
     list_->clear();
     list_->setCurrentRow(-1);
     for (const Row& row : rows_) {
-        QString words = QString::fromStdString(readable(row.name));
-        if (row.estimated)
-            words += "  (estimated)";
-        auto* item = new QListWidgetItem(square(label_color(row.name)), words, list_);
+        auto* item = new QListWidgetItem(square(label_color(row.name)), {}, list_);
         item->setData(kNameRole, QString::fromStdString(row.name));
         item->setData(kIdRole, static_cast<int>(row.id));
     }

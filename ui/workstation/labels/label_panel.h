@@ -45,7 +45,6 @@ public:
 private:
     QPushButton* add_button(Action action, const QString& text, const QString& tip);
     void show_size();
-    void fill_list();
 
     QButtonGroup* brushes_ = nullptr;
     QSlider* size_ = nullptr;
@@ -62,6 +61,9 @@ private:
         bool operator==(const Row&) const = default;
     };
     std::vector<Row> rows_;
+
+    void fill_list();
+    static QString words_of(const Row& row, double volume_ml);
 };
 
 } // namespace retractor::ui

@@ -126,6 +126,8 @@ namespace label_window_test {
         EXPECT_GT(voxels(kVessel), before + 20) << window_.message_line();
         EXPECT_TRUE(window_.label_editor().changed());
         const std::size_t painted = voxels(kVessel);
+        const QString volume = QString("%1 ml").arg(static_cast<double>(painted) * 8e-3, 0, 'f', 1); // voxels of 2 mm
+        EXPECT_TRUE(window_.label_panel().list().item(1)->text().contains(volume)) << volume.toStdString();
         QTest::keyClick(&window_, Qt::Key_Z, Qt::ControlModifier);
         EXPECT_EQ(voxels(kVessel), before);
         QTest::keyClick(&window_, Qt::Key_Z, Qt::ControlModifier | Qt::ShiftModifier);

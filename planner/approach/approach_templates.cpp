@@ -33,6 +33,7 @@ namespace {
     constexpr double kThickWall = 2.0;
 
     constexpr int kHemisternotomySpace = 4; ///< where the saw turns, unless the request says otherwise
+    constexpr int kLowestSternalSpace = 6; ///< the cartilages of the eighth rib and below end on the arch of the ribs
     /// A level outside these shares of the sternum's length has no hemisternotomy.
     constexpr double kHighestLevel = 0.2, kLowestLevel = 0.9;
     /// A rib whose front end lies farther from the sternum's midline has no labelled cartilage.
@@ -285,6 +286,10 @@ namespace {
         const BodyProbe& probe, const Anatomy& anatomy, const ParsedTemplate& parsed, Approach& approach)
     {
         const int space = parsed.space > 0 ? parsed.space : kHemisternotomySpace;
+        if (space > kLowestSternalSpace)
+            throw InputError("intercostal space " + std::to_string(space) + " does not reach the sternum: give 2 to "
+                    + std::to_string(kLowestSternalSpace),
+                "template", { "template_name" });
         const bool across = parsed.kind == "hemisternotomy-t", left = parsed.kind == "hemisternotomy-j-left";
         SternalLevel level = level_of_space(anatomy, left, space);
         if (across) {

@@ -27,8 +27,7 @@ namespace {
 
     void add_to_table(mesh::LabelTable& table, const mesh::LabelInfo& info)
     {
-        if (info.name.empty())
-            throw InputError("a label needs a name");
+        check_label_name(info.name);
         if (mesh::find_label(table, info.name) != nullptr)
             throw InputError("there is a label \"" + info.name + "\" already");
         table.push_back(info);

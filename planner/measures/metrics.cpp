@@ -572,7 +572,8 @@ namespace {
             { "normal_is_given", annulus.given } };
         put(json, field, "diameter_mm", annulus.diameter_mm);
         put(json, field, "opening_off_axis_deg", annulus.opening_off_axis_deg);
-        put(json, field, "sight_off_axis_deg", annulus.sight_off_axis_deg);
+        if (field.seen_best_eye > 0.0)
+            put(json, field, "sight_off_axis_deg", annulus.sight_off_axis_deg);
         put(json, field, "distance_mm", annulus.distance_mm);
         return json;
     }

@@ -80,10 +80,12 @@ namespace {
         const AnnulusAccess& annulus = *metrics.annulus;
         if (!annulus.message.empty())
             return "No angle to the valve: " + annulus.message + ". ";
-        return formatted(
-            "The opening lies %.0f mm from the annulus, %.0f degrees off the valve's axis; the best eye looks "
-            "along it at %.0f degrees. ",
-            annulus.distance_mm, annulus.opening_off_axis_deg, annulus.sight_off_axis_deg);
+        const std::string sight = metrics.seen_best_eye > 0.0
+            ? formatted("; the best eye looks along it at %.0f degrees", annulus.sight_off_axis_deg)
+            : std::string();
+        return formatted("The opening lies %.0f mm from the annulus, %.0f degrees off the valve's axis",
+                   annulus.distance_mm, annulus.opening_off_axis_deg)
+            + sight + ". ";
     }
 
     std::string finger_sentence(const FieldMetrics& metrics)

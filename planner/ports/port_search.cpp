@@ -121,6 +121,8 @@ namespace {
                     .between_deg = between };
                 plan.seen = static_cast<double>(view.seen) / static_cast<double>(bound);
                 plan.worked_on = static_cast<double>(both) / static_cast<double>(bound);
+                if (both == 0) // looking alone is no operation
+                    continue;
                 plan.points = points_of(plan);
                 if (best && plan.points <= best->points)
                     continue;
@@ -142,7 +144,7 @@ namespace {
         check_optics(request.optics);
         if (!(request.highest_space >= 1 && request.highest_space <= request.lowest_space
                 && request.lowest_space <= 11))
-            throw InputError("the spaces must be 1 to 11, the higher one first", "spaces");
+            throw InputError("give spaces from 1 to 11, the smaller number first", "spaces");
     }
 
 } // namespace

@@ -502,6 +502,8 @@ void MainWindow::make_knife()
             labels_->set_active(true);
         }
         show_all();
+        if (slices_shown())
+            show_slices();
     });
 }
 

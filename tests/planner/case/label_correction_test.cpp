@@ -47,6 +47,8 @@ namespace label_correction_test {
     TEST(LabelCorrection, AJoinedLabelIsNamedOnce)
     {
         Case c = named_everywhere();
+        EXPECT_THROW(join_label(c, "lung_left", "lung_upper_left"), InputError) << "the target would be held aside";
+        c.approaches[0].target.label = "lung_upper_left";
         join_label(c, "lung_left", "lung_upper_left");
         EXPECT_EQ(c.approaches[0].retracted, std::vector<std::string> { "lung_upper_left" });
         ASSERT_EQ(c.pressures.size(), 1U);
@@ -60,7 +62,10 @@ namespace label_correction_test {
         Case c = named_everywhere();
         EXPECT_THROW(rename_label(c, "spleen", "liver"), InputError);
         EXPECT_THROW(rename_label(c, "rib_left_4", "rib_left_5"), InputError);
-        EXPECT_THROW(rename_label(c, "rib_left_4", ""), InputError);
+        for (const char* bad : { "", "a,b", "a:b", "a/b", "-x", "a b", "a\nb", "1,2,3,4" })
+            EXPECT_THROW(rename_label(c, "rib_left_4", bad), InputError) << bad;
+        EXPECT_THROW(join_label(c, "rib_left_4", "lung_left"), InputError) << "bone is no lung";
+        EXPECT_THROW(join_label(c, "skin", "rib_left_4"), InputError) << "skin is no bone";
         EXPECT_THROW(join_label(c, "rib_left_4", "rib_left_4"), InputError);
         EXPECT_THROW(join_label(c, "rib_left_4", "liver"), InputError);
         EXPECT_THROW(confirm_label(c, "rib_left_5"), InputError) << "it is not estimated";

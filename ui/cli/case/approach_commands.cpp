@@ -36,8 +36,7 @@ namespace {
     constexpr double kLongestMm = 2000.0; // length of an incision or a depth; longer than any patient
 
     struct ApproachOptions {
-        std::string case_file, name, template_name, target, hooks = "4", loose = "held", division, retractor,
-                                                            retractor_table;
+        std::string case_file, name, template_name, target, hooks, loose = "held", division, retractor, retractor_table;
         std::vector<std::string> points, retracted, ablations;
         double length_mm = 0.0, depth_mm = 0.0, opening_mm = 0.0;
         std::optional<double> edge_mm, coarse_mm, region_mm, forwards_mm, backwards_mm, rack_force_N, turn_every_s;
@@ -306,6 +305,24 @@ namespace {
     }
 
     /// Adds the approach with the hooks or the retractor of the options.
+    /// The hooks that are asked for; by default 4, and one on each lip where half of the sternum swings out on its
+    /// cartilages: two hooks on it would hold it straight.
+    std::string hooks_of(const ApproachOptions& options, const planner::Approach& approach)
+    {
+        return !options.hooks.empty() ? options.hooks : planner::divides_sternum(approach.division.extent) ? "2" : "4";
+    }
+
+    /// Refuses a division of the sternum where the incision does not lie over it.
+    void check_sternum_division(const planner::Approach& approach, planner::Patient& patient)
+    {
+        if (!planner::divides_sternum(approach.division.extent))
+            return;
+        planner::Approach tried = approach;
+        planner::find_division(tried, patient);
+        if (tried.division.strokes.empty())
+            throw InputError(tried.division.words, "--division");
+    }
+
     const planner::Approach& add_opened(
         planner::Case& planned_case, planner::Approach approach, const ApproachOptions& options)
     {
@@ -314,7 +331,8 @@ namespace {
         if (!options.retractor.empty())
             set_retractor(planned_case, name, options);
         else if (options.opening_mm > 0.0 || !options.pull.prescribes())
-            planner::set_hooks(planned_case, name, options.hooks, options.opening_mm, options.pull);
+            planner::set_hooks(planned_case, name, hooks_of(options, planner::find_approach(planned_case, name)),
+                options.opening_mm, options.pull);
         set_opening_protocol(planned_case, name, options.turn_every_s);
         return planner::find_approach(planned_case, name);
     }
@@ -337,6 +355,7 @@ namespace {
                 "a hemisternotomy divides no intercostal space: omit the option, or give skin", "--division");
         if (division)
             planner::set_division(approach, *division);
+        check_sternum_division(approach, patient);
         approach.ablations = std::move(ablations);
         approach.loose_pieces = planner::loose_pieces_from_string(options.loose).value();
         check_ablations_along(options, approach);
@@ -389,6 +408,8 @@ namespace {
         planner::Case planned_case = open_case(options.case_file);
         planner::set_division(
             planner::find_approach(planned_case, options.name), division_from_options(options).value());
+        planner::Patient patient(planned_case);
+        check_sternum_division(planner::find_approach(planned_case, options.name), patient);
         planner::write_case(planned_case);
         Outcome outcome;
         outcome.document = approach_document(planner::find_approach(planned_case, options.name));
@@ -406,7 +427,9 @@ namespace {
         } else {
             if (!options.pull.force_N && !options.opening_given)
                 throw InputError("give --opening or --hook-force", "command line");
-            planner::set_hooks(planned_case, options.name, options.hooks, options.opening_mm, options.pull);
+            planner::set_hooks(planned_case, options.name,
+                hooks_of(options, planner::find_approach(planned_case, options.name)), options.opening_mm,
+                options.pull);
         }
         set_opening_protocol(planned_case, options.name, options.turn_every_s);
         planner::write_case(planned_case);
@@ -505,8 +528,8 @@ namespace {
             ->check(CLI::IsMember({ "held", "removed", "rigid" }));
         add_division_options(*add_command, *options, true);
         add_command->add_flag("--right", options->right, "Intercostal: on the patient's right");
-        CLI::Option* hooks = add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")
-                                 ->capture_default_str();
+        CLI::Option* hooks = add_command->add_option(
+            "--hooks", options->hooks, "Hook template: 2, 4, 8 or blade (default: 4; 2 for a hemisternotomy)");
         add_command
             ->add_option("--opening", options->opening_mm,
                 "Distance that opposite hooks or the blades of a retractor open, mm; 0: no hooks yet")
@@ -567,7 +590,8 @@ void add_hooks_command(Commands& commands)
                     "--turn-every 30");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->name, "Name of the approach")->required();
-    CLI::Option* hooks = command->add_option("--template", options->hooks, "2, 4, 8 or blade")->capture_default_str();
+    CLI::Option* hooks = command->add_option(
+        "--template", options->hooks, "2, 4, 8 or blade (default: 4; 2 where the sternum is sawn across)");
     CLI::Option* opening = command
                                ->add_option("--opening", options->opening_mm,
                                    "Distance that opposite hooks or the blades of a retractor open, mm")

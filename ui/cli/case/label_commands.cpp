@@ -47,24 +47,30 @@ namespace {
         }
     }
 
-    std::string label_line(const planner::LabelSize& size, const planner::Case& planned_case)
+    std::string label_line(const planner::LabelSize& size, const Vec3& middle, const planner::Case& planned_case)
     {
-        return formatted("%5d  %-28s %-14s %-8s %10.1f ml%s\n", static_cast<int>(size.info.id), size.info.name.c_str(),
-            size.info.material.c_str(), std::string(to_string(size.info.role)).c_str(), size.volume_ml,
+        return formatted("%5d  %-28s %-14s %-8s %10.1f ml, middle %.0f,%.0f,%.0f%s\n", static_cast<int>(size.info.id),
+            size.info.name.c_str(), size.info.material.c_str(), std::string(to_string(size.info.role)).c_str(),
+            size.volume_ml, middle.x(), middle.y(), middle.z(),
             planner::is_estimated(planned_case, size.info.name) ? "  estimated" : "");
     }
 
     Outcome list(const planner::Case& planned_case)
     {
         planner::Patient patient(planned_case);
+        const auto labels = patient.labels();
+        std::vector<Vec3> sums(mesh::kLabelCount, Vec3::Zero());
+        mesh::visit_voxels(*labels, [&](int i, int j, int k, Label label) { sums[label] += Vec3(i, j, k); });
         Outcome outcome;
         outcome.document["labels"] = Json::array();
-        for (const planner::LabelSize& size : planner::label_sizes(*patient.labels())) {
+        for (const planner::LabelSize& size : planner::label_sizes(*labels)) {
+            const Vec3 middle
+                = labels->grid.world(sums[size.info.id] / std::max(1.0, static_cast<double>(size.voxels)));
             outcome.document["labels"].push_back(
                 { { "id", size.info.id }, { "name", size.info.name }, { "material", size.info.material },
                     { "role", to_string(size.info.role) }, { "volume_ml", size.volume_ml },
                     { "estimated", planner::is_estimated(planned_case, size.info.name) } });
-            outcome.text += label_line(size, planned_case);
+            outcome.text += label_line(size, middle, planned_case);
         }
         return outcome;
     }
@@ -74,11 +80,16 @@ namespace {
         return plane == "sagittal" ? Vec3::UnitX() : plane == "coronal" ? Vec3::UnitY() : Vec3::UnitZ();
     }
 
-    datasets::BrushStroke stroke_of(const LabelOptions& options)
+    datasets::BrushStroke stroke_of(const LabelOptions& options, const mesh::ImageGrid& grid)
     {
         datasets::BrushStroke stroke { .path = {}, .radius_mm = options.radius_mm };
-        for (const std::string& text : options.path)
+        for (const std::string& text : options.path) {
             stroke.path.push_back(parse_point(text, "--at"));
+            const Vec3 at = grid.index(stroke.path.back());
+            for (int axis = 0; axis < 3; ++axis)
+                if (!(at[axis] >= -0.5 && at[axis] <= grid.size[static_cast<std::size_t>(axis)] - 0.5))
+                    throw InputError("the place lies outside the image", "--at " + text);
+        }
         if (options.slice)
             stroke.normal = normal_of(options.plane);
         return stroke;
@@ -265,9 +276,9 @@ namespace {
             commands_.on(command, [options = options_, paints](const Job&) {
                 return edit(
                     *options, [&](const mesh::LabelVolume& labels, const planner::Case& planned_case, Label label) {
-                        return paints
-                            ? datasets::painted(labels, stroke_of(*options), label, kept_of(planned_case, *options))
-                            : datasets::erased(labels, stroke_of(*options), label);
+                        return paints ? datasets::painted(
+                                   labels, stroke_of(*options, labels.grid), label, kept_of(planned_case, *options))
+                                      : datasets::erased(labels, stroke_of(*options, labels.grid), label);
                     });
             });
         }

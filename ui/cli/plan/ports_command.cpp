@@ -18,16 +18,20 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 
 namespace retractor::ui::cli {
 
 namespace {
 
+    constexpr std::size_t kMostProposals = 20;
+
     struct PortsOptions {
-        std::string case_file, target, side = "right", spaces, out;
+        std::string case_file, target, side, spaces, out;
         std::vector<std::string> retracted;
         planner::Optics optics {};
         planner::PortSizes sizes {};
@@ -38,8 +42,13 @@ namespace {
     {
         if (!options.target.empty()) {
             planner::TargetSpec target = parse_target(options.target);
-            if (!target.is_sphere() && mesh::find_label(planned_case.label_table, target.label) == nullptr)
-                throw InputError("there is no label \"" + target.label + "\"", "--target " + options.target);
+            if (target.is_sphere())
+                return target;
+            const mesh::LabelInfo* info = mesh::find_label(planned_case.label_table, target.label);
+            if (info == nullptr || mesh::is_wall(*info))
+                throw InputError(info == nullptr ? "there is no label \"" + target.label + "\""
+                                                 : "\"" + target.label + "\" is a part of the wall",
+                    "--target " + options.target);
             return target;
         }
         for (const mesh::LabelInfo& info : planned_case.label_table)
@@ -63,6 +72,21 @@ namespace {
         };
         request.highest_space = number(text.substr(0, dash));
         request.lowest_space = dash == std::string::npos ? request.highest_space : number(text.substr(dash + 1));
+    }
+
+    /// The side that is asked for, or that on which the target lies.
+    bool is_left(const PortsOptions& options, const planner::TargetSpec& target, planner::Patient& patient)
+    {
+        if (!options.side.empty())
+            return options.side == "left";
+        const planner::AnatomicalFrame frame = patient.frame();
+        return (patient.target(target)->vertices.colwise().mean().transpose() - frame.origin).dot(frame.left) > 0.0;
+    }
+
+    void check_in_body(const planner::TargetSpec& target, planner::Patient& patient)
+    {
+        if (target.is_sphere() && mesh::label_at(*patient.labels(), target.centre) == 0)
+            throw InputError("the sphere's centre lies outside the body", "--target");
     }
 
     Json point(const Vec3& at) { return { at.x(), at.y(), at.z() }; }
@@ -120,13 +144,15 @@ namespace {
         write_file_atomically(staged.folder() / "ports.json", document.dump(2) + "\n");
         refuse_if_cancelled(job);
         staged.publish("ports.json");
+        std::error_code code; // pictures of more proposals, from a run before
+        for (std::size_t n = search.found.size() + 1; n <= kMostProposals; ++n)
+            std::filesystem::remove(folder / formatted("ports-%zu.png", n), code);
     }
 
     Outcome ports(const PortsOptions& options, const Job& job)
     {
         const planner::Case planned_case = open_case(options.case_file);
         planner::PortRequest request { .target = target_of(options, planned_case),
-            .left = options.side == "left",
             .optics = options.optics,
             .sizes = options.sizes,
             .aside = options.retracted };
@@ -135,11 +161,13 @@ namespace {
         if (!options.out.empty())
             folder.emplace(options.out);
         planner::Patient patient(planned_case, job);
+        check_in_body(request.target, patient);
+        request.left = is_left(options, request.target, patient);
         const planner::PortSearch search
             = planner::find_ports(patient, request, static_cast<std::size_t>(options.count), job);
         refuse_if_cancelled(job);
         Outcome outcome { .document
-            = { { "target", planner::target_name(request.target) }, { "side", options.side },
+            = { { "target", planner::target_name(request.target) }, { "side", request.left ? "left" : "right" },
                 { "optics_deg", request.optics.tilt_deg }, { "tried", search.ports }, { "scopes", search.scopes },
                 { "instruments", search.instruments }, { "seconds", search.seconds }, { "proposals", Json::array() } },
             .text = formatted("%zu places tried in %.0f s: a scope sees the target from %zu, an instrument reaches it "
@@ -178,9 +206,10 @@ void add_ports_command(Commands& commands)
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--target", options->target,
         "Label; SITE:LABEL:x,y,z,r; or x,y,z,r for a sphere, mm (default: the first label of role target)");
-    command->add_option("--side", options->side, "Side of the ports, whose lung is held aside")
-        ->check(CLI::IsMember({ "left", "right" }))
-        ->capture_default_str();
+    command
+        ->add_option(
+            "--side", options->side, "Side of the ports, whose lung is held aside (default: the target's side)")
+        ->check(CLI::IsMember({ "left", "right" }));
     command->add_option("--optics", options->optics.tilt_deg, "Angle of the scope's optics, degrees, such as 0 or 30")
         ->check(in_range(0.0, 60.0))
         ->capture_default_str();
@@ -200,7 +229,7 @@ void add_ports_command(Commands& commands)
             "separated by commas")
         ->delimiter(',');
     command->add_option("--count", options->count, "Number of proposals")
-        ->check(CLI::Range(1, 20))
+        ->check(CLI::Range(1, static_cast<int>(kMostProposals)))
         ->capture_default_str();
     command->add_option("--out", options->out, "Folder for ports.json and a picture of each proposal");
     commands.on(command, [options](const Job& job) { return ports(*options, job); });

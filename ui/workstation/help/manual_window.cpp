@@ -1,5 +1,6 @@
 #include "ui/workstation/help/manual_window.h"
 
+#include <QShortcut>
 #include <QTextBlock>
 #include <QTextBrowser>
 #include <QTextCursor>
@@ -56,6 +57,8 @@ QWidget* show_manual(const std::filesystem::path& folder, const QString& page, c
     browser->setStyleSheet("QTextBrowser { background: white; color: black; padding: 16px; }");
     column->addWidget(browser);
     browser->setSource(QUrl::fromLocalFile(QString::fromStdString((folder / page.toStdString()).string())));
+    auto* close = new QShortcut(QKeySequence(Qt::Key_Escape), window);
+    QObject::connect(close, &QShortcut::activated, window, &QWidget::close);
     window->show();
     if (!heading.isEmpty())
         scroll_to(*browser, heading);

@@ -70,7 +70,10 @@ LabelEditor::LabelEditor(PictureView& view, LabelPanel& panel, QWidget& window)
     , window_(window)
     , tool_(view)
 {
-    panel_.on_state = [this] { show_state(); };
+    panel_.on_state = [this] {
+        show_state();
+        on_message({}); // what was missing may be there now
+    };
     panel_.on_click = [this] { show_chosen(); };
     panel_.on_action = [this](LabelPanel::Action action) { act(action); };
     tool_.on_edit = [this] { on_labels(); };
@@ -84,6 +87,7 @@ LabelEditor::LabelEditor(PictureView& view, LabelPanel& panel, QWidget& window)
 void LabelEditor::set_case(planner::Case planned_case, ReadLabels read)
 {
     set_active(false);
+    const bool same = !case_.folder.empty() && planned_case.folder == case_.folder;
     ++generation_;
     working_ = 0;
     reading_ = busy_ = false;
@@ -94,6 +98,8 @@ void LabelEditor::set_case(planner::Case planned_case, ReadLabels read)
     read_ = std::move(read);
     waiting_ = read_ ? "Reading the labels …" : "Labels can be corrected where the case has a CT.";
     panel_.show_session(nullptr, waiting_);
+    if (!same)
+        panel_.forget_choice();
 }
 
 void LabelEditor::work(std::function<std::function<void()>()> make)

@@ -169,7 +169,8 @@ QString LabelPanel::words_of(const Row& row, double volume_ml)
 void LabelPanel::fill_list()
 {
     const QListWidgetItem* before = list_->currentItem();
-    const int kept = before == nullptr ? 0 : before->data(kIdRole).toInt();
+    const int kept = before == nullptr ? last_id_ : before->data(kIdRole).toInt();
+    last_id_ = kept; // while the labels are read again, the list is empty
     showing_ = true;
     list_->clear();
     list_->setCurrentRow(-1);

@@ -29,6 +29,8 @@ public:
     /// Name of the chosen label; empty: none.
     std::string chosen() const;
     void choose(const std::string& name);
+    /// No label stays chosen for the next list: it is another case's.
+    void forget_choice() { last_id_ = 0; }
 
     /// What the buttons under the list do with the chosen label.
     enum class Action { smooth, largest, between, join, rename, confirm, add, save, discard };
@@ -61,6 +63,8 @@ private:
         bool operator==(const Row&) const = default;
     };
     std::vector<Row> rows_;
+
+    int last_id_ = 0; ///< of the label that is chosen, also while the list is empty
 
     void fill_list();
     static QString words_of(const Row& row, double volume_ml);

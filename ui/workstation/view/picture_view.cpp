@@ -355,6 +355,9 @@ bool PictureView::event(QEvent* event)
             && click.button() == Qt::LeftButton && click.modifiers() == Qt::NoModifier)
             if (const auto index = scene_at(click.localPos())) {
                 pointing_.reset();
+                wanted_point_.reset();
+                if (before_press_ && on_slice_point) // the first click has moved the slices
+                    on_slice_point(*std::exchange(before_press_, std::nullopt));
                 on_double_click(*index);
                 return true;
             }
@@ -448,8 +451,10 @@ bool PictureView::point_on_slice(const QMouseEvent& event)
     if (event.type() == QEvent::MouseButtonRelease && event.button() == Qt::LeftButton)
         return std::exchange(pointing_, std::nullopt).has_value();
     const bool pressed = event.type() == QEvent::MouseButtonPress || event.type() == QEvent::MouseButtonDblClick;
-    if (pressed && event.button() == Qt::LeftButton && event.modifiers() == Qt::NoModifier)
+    if (pressed && event.button() == Qt::LeftButton && event.modifiers() == Qt::NoModifier) {
         pointing_ = slice_at(event.localPos());
+        before_press_ = pointing_ ? std::optional((*scenes_)[*pointing_].slices.front().point) : std::nullopt;
+    }
     if ((event.buttons() & Qt::LeftButton) == 0)
         pointing_.reset(); // the button went up elsewhere
     if (!pointing_ || !is_drawn() || *pointing_ >= scenes_->size() || !is_linked_slice((*scenes_)[*pointing_]))

@@ -167,6 +167,7 @@ private:
     std::string full_error_; ///< why no full picture can be drawn; the window then draws whole scenes itself
     const LiveProps* live_ = nullptr;
     PictureTool* tool_ = nullptr;
+    std::optional<Vec3> before_press_; ///< where the slices met before the left button went down last
     std::optional<std::size_t> pointing_; ///< the slice on which the left button went down
     bool turning_ = false; ///< the camera is being turned while there is a tool
     double draw_ms_ = 0.0;

@@ -214,8 +214,13 @@ namespace conference_window_test {
                 QPoint(static_cast<int>(across * view.width()), static_cast<int>(down * view.height())));
             test_support::wait_until_idle(window_);
         };
-        twice(0.75, 0.25); // coronal
+        const Vec3 place = *window_.model()->slice_place();
+        const QPoint coronal(static_cast<int>(0.7 * view.width()), static_cast<int>(0.2 * view.height()));
+        QTest::mouseClick(&view, Qt::LeftButton, {}, coronal); // as the first click of a real double click
+        QTest::mouseDClick(&view, Qt::LeftButton, {}, coronal);
+        test_support::wait_until_idle(window_);
         ASSERT_EQ(view.scenes().size(), 1U);
+        EXPECT_LT((*window_.model()->slice_place() - place).norm(), 1e-9) << "the slices stay where they were";
         EXPECT_EQ(view.scenes().front().slices.front().plane, SlicePlane::coronal);
         twice(0.5, 0.5);
         EXPECT_EQ(view.scenes().size(), 4U);

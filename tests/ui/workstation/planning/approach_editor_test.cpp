@@ -186,7 +186,11 @@ namespace approach_editor_test {
         ASSERT_NE(dialog(), nullptr);
         accept_dialog(); // a median sternotomy, which the synthetic patient refuses
         ASSERT_NE(dialog(), nullptr) << "the dialog stays open";
-        dialog()->findChild<QComboBox*>("kind")->setCurrentIndex(1);
+        auto* kind = dialog()->findChild<QComboBox*>("kind");
+        kind->setCurrentIndex(kind->findText("Upper hemisternotomy, J to the right"));
+        EXPECT_EQ(dialog()->draft().template_name, "hemisternotomy-j");
+        EXPECT_EQ(dialog()->draft().opened_by.retractor, "finochietto");
+        kind->setCurrentIndex(kind->findText("Thoracotomy between two ribs"));
         EXPECT_EQ(dialog()->draft().template_name, "intercostal:4");
         EXPECT_EQ(dialog()->draft().opened_by.retractor, "finochietto");
         accept_dialog();

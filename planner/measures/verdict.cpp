@@ -142,9 +142,7 @@ std::string why_not_to_use(const FieldMetrics& field)
         return "The wound could not be computed: do not use these numbers.";
     if (field.inverted_elements > 0 || !is_believable(field))
         return "The model fails near the wound: do not use these numbers.";
-    // Rib and sternal spreaders were measured at up to some 600 N; this is no wound that a retractor opens (ours).
-    constexpr double kImpossibleN = 2000.0;
-    if (field.hook_force_N > kImpossibleN)
+    if (field.hook_force_N > kImpossibleForceN)
         return "No retractor pulls with " + two_digits(field.hook_force_N)
             + " N: do not use these numbers. Check what the hooks hold.";
     if (!field.implausible.empty())

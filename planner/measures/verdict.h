@@ -38,6 +38,9 @@ struct ForceInterval {
 };
 ForceInterval force_interval(const FieldMetrics& field);
 
+/// A larger force on a side is no retraction: rib and sternal spreaders were measured at up to some 600 N (ours).
+inline constexpr double kImpossibleForceN = 2000.0;
+
 /// Why the numbers of a field are not to be used, in a sentence; empty: nothing speaks against them.
 std::string why_not_to_use(const FieldMetrics& field);
 

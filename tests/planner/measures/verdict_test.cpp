@@ -125,6 +125,11 @@ namespace verdict_test {
         field.implausible = { "skin of 100 MPa" };
         EXPECT_EQ(verdict_of(field).light, Light::unknown);
         field = good_field();
+        field.hook_force_N = 20900.0; // two hooks that hold a swinging half of the sternum straight
+        EXPECT_EQ(verdict_of(field).light, Light::unknown);
+        EXPECT_TRUE(says(verdict_of(field),
+            "No retractor pulls with 21000 N: do not use these numbers. Check what the hooks hold."));
+        field = good_field();
         field.at_risk = { { .name = "heart", .distance_mm = 0.0 } };
         EXPECT_EQ(verdict_of(field).light, Light::injury);
         EXPECT_TRUE(says(verdict_of(field), "The blade cuts the heart."));

@@ -496,6 +496,8 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
                 text += (&hook == &m.hooks.front() ? " " : "; ") + hook.name + " on " + planner::bearing_text(hook);
             text += "\n";
         }
+        if (m.hook_force_N > planner::kImpossibleForceN)
+            text += "  failed: " + planner::why_not_to_use(m) + "\n";
         for (const std::string& implausible : m.implausible)
             text += "  caution: accepted although implausible: " + implausible + "\n";
         if (const std::string bones = planner::bones_text(m); !bones.empty())

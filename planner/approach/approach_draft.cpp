@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/approach/hooks.h"
+#include "planner/approach/intercostal_space.h"
 #include "planner/approach/retractors.h"
 
 #include <algorithm>
@@ -14,16 +15,6 @@
 namespace retractor::planner {
 
 namespace {
-
-    /// "4th".
-    std::string ordinal(const std::string& number)
-    {
-        if (number == "1")
-            return "1st";
-        if (number == "2")
-            return "2nd";
-        return number + (number == "3" ? "rd" : "th");
-    }
 
     /// The template's kind and the number of its space, which may be missing: "intercostal:4".
     std::pair<std::string, std::string> parts_of(const std::string& template_name)

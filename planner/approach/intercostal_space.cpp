@@ -167,6 +167,15 @@ namespace {
 
 } // namespace
 
+std::string ordinal(const std::string& number)
+{
+    if (number == "1")
+        return "1st";
+    if (number == "2")
+        return "2nd";
+    return number + (number == "3" ? "rd" : "th");
+}
+
 std::string space_name(bool left, int number)
 {
     return std::string(left ? "left" : "right") + " intercostal space " + std::to_string(number);

@@ -37,6 +37,9 @@ struct SpaceNumber {
     int number = 0;
 };
 
+/// "4th", of the number of a space in words.
+std::string ordinal(const std::string& number);
+
 /// "left intercostal space 4".
 std::string space_name(bool left, int number);
 

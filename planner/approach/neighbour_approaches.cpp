@@ -162,6 +162,23 @@ namespace {
         return neighbour;
     }
 
+    /// The approach with incision and template of another one.
+    Approach at_place_of(const Approach& approach, const Approach& placed)
+    {
+        Approach moved = with_incision_of(approach, placed);
+        moved.template_name = placed.template_name;
+        return moved;
+    }
+
+    NeighbourApproach named_after_space(NeighbourApproach neighbour, const Approach& approach, int number)
+    {
+        if (neighbour.approach) {
+            neighbour.approach->name = approach.name + "_space_" + std::to_string(number);
+            say_origin(*neighbour.approach, approach, neighbour.where);
+        }
+        return neighbour;
+    }
+
     NeighbourApproach in_space(
         Patient& patient, const Surroundings& around, const Approach& approach, bool by_template, int number)
     {
@@ -180,15 +197,9 @@ namespace {
                 return moved;
             }
             const Approach placed = from_template(around, approach, { around.space->left, number }, 0.0);
-            Approach moved = with_incision_of(approach, placed);
-            moved.template_name = placed.template_name;
-            return moved;
+            return at_place_of(approach, placed);
         });
-        if (neighbour.approach) {
-            neighbour.approach->name = approach.name + "_space_" + std::to_string(number);
-            say_origin(*neighbour.approach, approach, neighbour.where);
-        }
-        return neighbour;
+        return named_after_space(std::move(neighbour), approach, number);
     }
 
     /// The hemisternotomy of the approach's template in a space.
@@ -227,15 +238,9 @@ namespace {
         const bool higher = number < own;
         NeighbourApproach neighbour = tried(higher ? "one space higher" : "one space lower", [&] {
             const Approach placed = hemisternotomy(around, approach, number);
-            Approach moved = with_incision_of(approach, placed);
-            moved.template_name = placed.template_name;
-            return moved;
+            return at_place_of(approach, placed);
         });
-        if (neighbour.approach) {
-            neighbour.approach->name = approach.name + "_space_" + std::to_string(number);
-            say_origin(*neighbour.approach, approach, neighbour.where);
-        }
-        return neighbour;
+        return named_after_space(std::move(neighbour), approach, number);
     }
 
     NeighbourApproach along_incision(

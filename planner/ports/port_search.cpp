@@ -156,13 +156,8 @@ std::string place_in_words(const Port& port)
         { 155.0, "parasternal line" }, { 60.0, "behind the posterior axillary line" } } };
     const auto nearest
         = std::ranges::min_element(kLines, {}, [&](const auto& line) { return std::abs(line.first - port.angle_deg); });
-    const std::string number = std::to_string(port.space);
-    return std::string(port.left ? "left " : "right ") + number
-        + (port.space == 1        ? "st"
-                : port.space == 2 ? "nd"
-                : port.space == 3 ? "rd"
-                                  : "th")
-        + " space, " + nearest->second;
+    return std::string(port.left ? "left " : "right ") + ordinal(std::to_string(port.space)) + " space, "
+        + nearest->second;
 }
 
 PortSearch find_ports(Patient& patient, const PortRequest& request, std::size_t count, const Job& job)

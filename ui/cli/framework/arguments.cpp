@@ -145,4 +145,22 @@ std::pair<int, int> parse_size(const std::string& text)
     return { size[0], size[1] };
 }
 
+std::pair<double, double> parse_span(const std::string& text, const std::string& where)
+{
+    const std::vector<std::string> parts = split(text, '-');
+    if (parts.empty() || parts.size() > 2 || text.ends_with('-'))
+        throw InputError("give one number, or two with \"-\" between them", where);
+    const double first = parse_numbers(parts.front(), 1, where).front();
+    return { first, parts.size() == 1 ? first : parse_numbers(parts.back(), 1, where).front() };
+}
+
+std::pair<int, int> parse_spaces(const std::string& text)
+{
+    constexpr double kMost = 100.0; // more than any body has; what uses the spaces names the range
+    const auto [first, last] = parse_span(text, "--spaces");
+    if (first != std::floor(first) || last != std::floor(last) || !(first < kMost && last < kMost))
+        throw InputError("spaces are whole numbers from 1 to 11", "--spaces");
+    return { static_cast<int>(first), static_cast<int>(last) };
+}
+
 } // namespace retractor::ui::cli

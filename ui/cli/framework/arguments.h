@@ -25,6 +25,10 @@ std::pair<int, int> parse_size(const std::string& text);
 /// Parses "15%", "15%,2" (share of the force, mm of the opening), or "none": no accuracy is asked.
 /// @param otherwise what the text leaves out; ranges are not checked (planner::check_accuracy())
 std::optional<planner::AccuracyGoal> parse_accuracy(const std::string& text, const planner::AccuracyGoal& otherwise);
+/// Parses one number or two, "60" or "60-180"; one stands for both.
+std::pair<double, double> parse_span(const std::string& text, const std::string& where);
+/// Parses intercostal spaces, "4" or "3-6", of the option --spaces. The caller checks their range.
+std::pair<int, int> parse_spaces(const std::string& text);
 /// Splits "a,b,c" at the separator.
 std::vector<std::string> split(const std::string& text, char separator);
 

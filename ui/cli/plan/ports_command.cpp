@@ -10,6 +10,7 @@
 #include "mesh/base/text_format.h"
 #include "planner/case/patient.h"
 #include "planner/ports/port_search.h"
+#include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/port_picture.h"
 #include "ui/scene/vtk/offscreen.h"
 #include "ui/scene/vtk/render.h"
@@ -17,12 +18,12 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <system_error>
+#include <tuple>
 
 namespace retractor::ui::cli {
 
@@ -38,40 +39,22 @@ namespace {
         int count = 3;
     };
 
-    planner::TargetSpec target_of(const PortsOptions& options, const planner::Case& planned_case)
+    planner::TargetSpec target_of(const PortsOptions& options, planner::Patient& patient)
     {
         if (!options.target.empty()) {
             planner::TargetSpec target = parse_target(options.target);
             if (target.is_sphere())
                 return target;
-            const mesh::LabelInfo* info = mesh::find_label(planned_case.label_table, target.label);
+            const mesh::LabelInfo* info = mesh::find_label(patient.planned_case().label_table, target.label);
             if (info == nullptr || mesh::is_wall(*info))
                 throw InputError(info == nullptr ? "there is no label \"" + target.label + "\""
                                                  : "\"" + target.label + "\" is a part of the wall",
                     "--target " + options.target);
             return target;
         }
-        for (const mesh::LabelInfo& info : planned_case.label_table)
-            if (info.role == mesh::Role::target)
-                return { .label = info.name };
+        if (const auto target = default_target(patient))
+            return *target;
         throw InputError("the case has no label of role target: name one", "--target");
-    }
-
-    /// "3-6" or "4".
-    void take_spaces(const std::string& text, planner::PortRequest& request)
-    {
-        if (text.empty())
-            return;
-        const std::size_t dash = text.find('-');
-        const auto number = [&](const std::string& part) {
-            int value = 0;
-            const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-            if (error != std::errc {} || end != part.data() + part.size())
-                throw InputError("give spaces as 3-6 or 4", "--spaces " + text);
-            return value;
-        };
-        request.highest_space = number(text.substr(0, dash));
-        request.lowest_space = dash == std::string::npos ? request.highest_space : number(text.substr(dash + 1));
     }
 
     /// The side that is asked for, or that on which the target lies.
@@ -152,15 +135,16 @@ namespace {
     Outcome ports(const PortsOptions& options, const Job& job)
     {
         const planner::Case planned_case = open_case(options.case_file);
-        planner::PortRequest request { .target = target_of(options, planned_case),
+        planner::Patient patient(planned_case, job);
+        planner::PortRequest request { .target = target_of(options, patient),
             .optics = options.optics,
             .sizes = options.sizes,
             .aside = options.retracted };
-        take_spaces(options.spaces, request);
+        if (!options.spaces.empty())
+            std::tie(request.highest_space, request.lowest_space) = parse_spaces(options.spaces);
         std::optional<OutFolder> folder;
         if (!options.out.empty())
             folder.emplace(options.out);
-        planner::Patient patient(planned_case, job);
         check_in_body(request.target, patient);
         request.left = is_left(options, request.target, patient);
         const planner::PortSearch search

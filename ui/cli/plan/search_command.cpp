@@ -55,16 +55,6 @@ namespace {
         bool anywhere = false, no_saw = false, full = false, keep = false;
     };
 
-    /// Parses "60" or "60-180".
-    std::pair<double, double> parse_span(const std::string& text, const std::string& where)
-    {
-        const std::vector<std::string> parts = split(text, '-');
-        if (parts.empty() || parts.size() > 2 || text.ends_with('-'))
-            throw InputError("give one number, or two with \"-\" between them", where);
-        const double first = parse_numbers(parts.front(), 1, where).front();
-        return { first, parts.size() == 1 ? first : parse_numbers(parts.back(), 1, where).front() };
-    }
-
     planner::SearchRequest request_of(const SearchOptions& options, planner::Patient& patient)
     {
         planner::SearchRequest request;
@@ -78,14 +68,8 @@ namespace {
         planner::SearchLimits& limits = request.limits;
         if (!options.length.empty())
             std::tie(limits.shortest_mm, limits.longest_mm) = parse_span(options.length, "--length");
-        if (!options.spaces.empty()) {
-            const auto [highest, lowest] = parse_span(options.spaces, "--spaces");
-            constexpr double kMost = 100.0; // more than any body has; the search names the range
-            if (highest != std::floor(highest) || lowest != std::floor(lowest) || !(lowest < kMost && highest < kMost))
-                throw InputError("spaces are whole numbers from 1 to 11", "--spaces");
-            limits.highest_space = static_cast<int>(highest);
-            limits.lowest_space = static_cast<int>(lowest);
-        }
+        if (!options.spaces.empty())
+            std::tie(limits.highest_space, limits.lowest_space) = parse_spaces(options.spaces);
         limits.left = options.side != "right";
         limits.right = options.side != "left";
         limits.saw = !options.no_saw;

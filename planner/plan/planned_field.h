@@ -9,9 +9,9 @@
 #include "mesh/cutting/cut_session.h"
 #include "mesh/generation/hybrid_model.h"
 #include "planner/case/approach.h"
+#include "planner/measures/field_metrics.h"
 #include "planner/measures/sight/exposure.h"
 #include "planner/measures/sight/surgeon_eye.h"
-#include "planner/measures/field_metrics.h"
 #include "planner/wall/field_geometry.h"
 #include "planner/wall/wall_cut.h"
 
@@ -72,5 +72,12 @@ struct [[nodiscard]] PlannedField {
     TriMesh remaining_wall; ///< the wall outside the meshed region, see unmeshed_wall_region(); may be empty
     FieldMetrics metrics;
 };
+
+/// Whether the field has a wound and numbers to show.
+inline bool is_measured(const PlannedField& field)
+{
+    return field.status == PlanStatus::done || field.status == PlanStatus::not_converged
+        || field.status == PlanStatus::inverted;
+}
 
 } // namespace retractor::planner

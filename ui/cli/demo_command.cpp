@@ -2,8 +2,9 @@
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/framework/staged_results.h"
-#include "ui/cli/plan/field_files.h"
+#include "ui/cli/plan/field_table.h"
 #include "ui/cli/plan/saved_plans.h"
+#include "ui/results/field_files.h"
 
 #include "planner/approach/demo_patient.h"
 #include "planner/plan/plan.h"
@@ -57,13 +58,13 @@ namespace {
         write_field_meshes(staged.folder(), patient, fields);
         times.emplace_back("write meshes", watch.seconds());
         watch = {};
-        const PictureRequest request { .views = planned_case.views };
+        const FieldViews request { .views = planned_case.views };
         const std::vector<planner::ReportPicture> pictures
             = render_fields(staged.folder(), patient, fields, request, job);
         refuse_if_cancelled(job);
         times.emplace_back("render", watch.seconds());
         const planner::Provenance computed = provenance_now(patient.planned_case());
-        write_field_report(staged.folder(), patient, computed, fields, pictures);
+        write_field_report(staged.folder() / "report.html", patient, computed, fields, pictures);
 
         Outcome outcome;
         outcome.document = write_metrics(staged.folder(), computed, patient, fields);

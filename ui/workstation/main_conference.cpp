@@ -40,6 +40,29 @@ namespace {
         return QCursor(picture, kAcrossPx / 2, kAcrossPx / 2);
     }
 
+    ViewPreset preset_of(planner::PresentedView view)
+    {
+        switch (view) {
+        case planner::PresentedView::blade:
+            return ViewPreset::incision;
+        case planner::PresentedView::seen:
+            return ViewPreset::surgeon;
+        case planner::PresentedView::comparison:
+            return ViewPreset::compare;
+        case planner::PresentedView::patient:
+        case planner::PresentedView::incision:
+        case planner::PresentedView::opened:
+            break;
+        }
+        return ViewPreset::overview;
+    }
+
+    bool shows_opened(planner::PresentedView view)
+    {
+        return view == planner::PresentedView::opened || view == planner::PresentedView::seen
+            || view == planner::PresentedView::comparison;
+    }
+
 } // namespace
 
 void MainWindow::make_conference()
@@ -81,7 +104,7 @@ void MainWindow::set_conference(bool on)
         editor_->abandon();
         tabs_->setCurrentIndex(0);
         set_knife(KnifeMode::away);
-        steps_ = presentation_of(*model_);
+        steps_ = steps_now();
         was_maximized_ = isMaximized();
         showFullScreen();
         view_->setCursor(pointer());
@@ -95,18 +118,29 @@ void MainWindow::set_conference(bool on)
     if (!on)
         return show_all();
     const auto begins = std::find_if(steps_.begin(), steps_.end(),
-        [&](const PresentationStep& step) { return step.approach == model_->selected(); });
+        [&](const planner::PresentationStep& step) { return step.approach == model_->selected(); });
     go_to_step(begins == steps_.end() ? 0 : static_cast<std::size_t>(begins - steps_.begin()));
 }
 
 void MainWindow::renew_steps()
 {
+std::vector<planner::PresentationStep> MainWindow::steps_now() const
+{
+    std::vector<planner::PresentedApproach> known;
+    for (std::size_t index = 0; index < model_->approach_count(); ++index) {
+        const ApproachState& state = model_->state(index);
+        known.push_back({ .field = state.field == nullptr ? nullptr : &state.field->metrics,
+            .has_slices = state.closed != nullptr && !state.closed->incision_slices.empty() });
+    }
+    return planner::presentation_of(model_->planned_case(), known, model_->decisions());
+}
+
     if (!in_conference() || !model_)
         return;
-    const PresentationStep present = steps_[step_];
-    steps_ = presentation_of(*model_);
-    const auto same = std::find_if(steps_.begin(), steps_.end(), [&](const PresentationStep& step) {
-        return step.approach == present.approach && step.view == present.view && step.opened == present.opened;
+    const planner::PresentationStep present = steps_[step_];
+    steps_ = steps_now();
+    const auto same = std::find_if(steps_.begin(), steps_.end(), [&](const planner::PresentationStep& step) {
+        return step.approach == present.approach && step.view == present.view;
     });
     step_ = same == steps_.end() ? 0 : static_cast<std::size_t>(same - steps_.begin());
     conference_bar_->show_step(steps_[step_], step_ + 1, steps_.size());
@@ -123,12 +157,12 @@ void MainWindow::go_to_step(std::size_t number)
     if (!in_conference() || number >= steps_.size())
         return;
     step_ = number;
-    const PresentationStep& step = steps_[number];
+    const planner::PresentationStep& step = steps_[number];
     if (step.approach && model_->selected() != step.approach)
         model_->select(*step.approach);
-    model_->set_view(step.view);
+    model_->set_view(preset_of(step.view));
     model_->set_alone(std::nullopt);
-    model_->set_show_opened(step.opened);
+    model_->set_show_opened(shows_opened(step.view));
     conference_bar_->show_step(step, number + 1, steps_.size());
     hand_out_work();
     show_all();

@@ -4,7 +4,7 @@
 // work and shows the results.
 
 #include "mesh/base/serial_executor.h"
-#include "ui/workstation/conference/presentation.h"
+#include "planner/decision/presentation.h"
 #include "ui/workstation/cutting/knife_tool.h"
 #include "ui/workstation/help/session_log.h"
 #include "ui/workstation/planning/approach_editor.h"
@@ -149,6 +149,8 @@ private:
     void renew_steps();
     void show_frame(bool shown); ///< menus, tool bar, panes and status line
 
+    /// The steps of the case as it is now.
+    std::vector<planner::PresentationStep> steps_now() const;
     void choose_approach();
     void ask_questions();
     /// Reads the decisions again, changes them and writes them, in the background.
@@ -249,7 +251,7 @@ private:
     QWidget* approach_pane_ = nullptr;
     QToolBar* tool_bar_ = nullptr;
     ConferenceBar* conference_bar_ = nullptr;
-    std::vector<PresentationStep> steps_; ///< of the conference; empty: there is none
+    std::vector<planner::PresentationStep> steps_; ///< of the conference; empty: there is none
     std::size_t step_ = 0;
     std::string decided_by_; ///< who decided or answered last, as the next proposal
     bool was_maximized_ = false; ///< before the conference

@@ -14,7 +14,7 @@
 #include "planner/wall/supports.h"
 #include "planner/wall/unmeshed_wall.h"
 #include "tests/verification/framework/element_stress.h"
-#include "ui/cli/plan/field_files.h"
+#include "ui/results/field_files.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/render.h"
 

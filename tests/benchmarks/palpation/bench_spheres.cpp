@@ -12,7 +12,7 @@
 #include "tests/benchmarks/palpation/sphere_scenes.h"
 #include "tests/support/haptics/organ_volumes.h"
 #include "ui/cli/framework/out_folder.h"
-#include "ui/cli/plan/field_files.h"
+#include "ui/results/field_files.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/render.h"
 

@@ -9,7 +9,7 @@
 #include "tests/benchmarks/palpation/punch_reference.h"
 #include "tests/benchmarks/palpation/spring_pictures.h"
 #include "ui/cli/framework/out_folder.h"
-#include "ui/cli/plan/field_files.h"
+#include "ui/results/field_files.h"
 #include "ui/scene/vtk/render.h"
 
 #include <algorithm>

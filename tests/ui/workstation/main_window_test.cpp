@@ -11,12 +11,12 @@
 #include "planner/case/case_io.h"
 #include "planner/case/import_case.h"
 #include "planner/palpation/palpable.h"
+#include "ui/scene/arrange_scenes.h"
 #include "ui/scene/linked_slices.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/workstation/benchmark/window_benchmark.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/approach_list.h"
-#include "ui/workstation/view/arrange_scenes.h"
 #include "ui/workstation/view/picture_view.h"
 #include "ui/workstation/view/theme.h"
 

@@ -12,7 +12,7 @@
 #include "tests/verification/problem_list.h"
 #include "ui/cli/framework/command.h"
 #include "ui/cli/framework/out_folder.h"
-#include "ui/cli/plan/field_files.h"
+#include "ui/results/field_files.h"
 #include "ui/scene/vtk/render.h"
 
 #include <CLI/CLI.hpp>

@@ -5,7 +5,7 @@
 #include "mesh/base/text_format.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/report/html_text.h"
-#include "ui/cli/plan/metrics_csv.h"
+#include "ui/results/metrics_csv.h"
 
 #include <array>
 #include <cctype>

@@ -13,8 +13,9 @@
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/plan/comparison_text.h"
 #include "ui/cli/plan/draft_case.h"
-#include "ui/cli/plan/field_files.h"
+#include "ui/cli/plan/field_table.h"
 #include "ui/cli/plan/saved_plans.h"
+#include "ui/results/field_files.h"
 
 #include <CLI/CLI.hpp>
 
@@ -129,14 +130,14 @@ namespace {
         std::vector<planner::PlannedField> made;
         for (std::size_t n = 0; n < drawn.fields.size(); ++n) {
             const planner::PlannedField& field = drawn.fields[n];
-            if (is_measured(field))
+            if (planner::is_measured(field))
                 planned.fields.push_back(compared(patient, field.metrics, group.approaches[n], names[n]));
             else
                 planned.missing.push_back(names[n] + ": " + field.message);
             if (!drawn.saved.contains(field.approach.name))
                 made.push_back(field);
         }
-        planned.approach_is_first = is_measured(drawn.fields.front());
+        planned.approach_is_first = planner::is_measured(drawn.fields.front());
         planned.exit_code = exit_code_of(drawn.fields);
         planned.remarks = drawn.remarks + save_plans(group, group, made);
         return planned;

@@ -4,8 +4,9 @@
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/framework/staged_results.h"
 #include "ui/cli/plan/draft_case.h"
-#include "ui/cli/plan/field_files.h"
+#include "ui/cli/plan/field_table.h"
 #include "ui/cli/plan/saved_plans.h"
+#include "ui/results/field_files.h"
 
 #include "fem/error_estimation/error_estimate.h"
 #include "mesh/base/atomic_file.h"
@@ -213,10 +214,10 @@ namespace {
         return planned_case;
     }
 
-    PictureRequest picture_request(const PlanOptions& options, const planner::Case& planned_case)
+    FieldViews picture_request(const PlanOptions& options, const planner::Case& planned_case)
     {
         const auto [width, height] = parse_size(options.size);
-        PictureRequest request { .views = options.views.empty() ? planned_case.views : split(options.views, ','),
+        FieldViews request { .views = options.views.empty() ? planned_case.views : split(options.views, ','),
             .width = width,
             .height = height,
             .names = !options.without_names };
@@ -259,7 +260,7 @@ namespace {
         }
         planner::Case in_file; ///< without the options' changes
         planner::Patient patient;
-        PictureRequest request;
+        FieldViews request;
         planner::PlanChecks checks;
         fs::path folder;
         OutFolder made;
@@ -280,7 +281,7 @@ namespace {
     {
         const auto limit = std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.reference_limit_s));
         for (planner::PlannedField& field : fields)
-            if (is_measured(field))
+            if (planner::is_measured(field))
                 field.metrics.second_opinion = second_opinion(
                     problem_for_other_programs(field), ccx, options.out, field.approach.name, limit, job);
     }
@@ -322,7 +323,7 @@ namespace {
         std::string exported;
         for (const std::string& format : formats)
             for (const planner::PlannedField& field : fields)
-                if (is_measured(field))
+                if (planner::is_measured(field))
                     exported += staged
                                     .published(
                                         export_problem(as_solved(field), format, staged.folder(), field.approach.name))
@@ -334,7 +335,7 @@ namespace {
             const std::vector<planner::ReportPicture> pictures
                 = render_fields(staged.folder(), patient, fields, request, job);
             refuse_if_cancelled(job);
-            write_field_report(staged.folder(), patient, computed, fields, pictures);
+            write_field_report(staged.folder() / "report.html", patient, computed, fields, pictures);
         }
         Outcome outcome;
         const std::vector<std::string> kept = keep_earlier_metrics(folder, staged.folder(), fields);
@@ -392,7 +393,7 @@ namespace {
     Outcome render_slices_of(const PlanOptions& options, const Job& job)
     {
         planner::Patient patient(chosen_case(options, open_case(options.case_file)), job);
-        const PictureRequest request = picture_request(options, patient.planned_case());
+        const FieldViews request = picture_request(options, patient.planned_case());
         if (!patient.has_ct())
             throw InputError("slices need a CT, and the case has none", options.case_file + "#/ct");
         make_folder(options.out);
@@ -405,7 +406,7 @@ namespace {
     Outcome render_case(const PlanOptions& options, planner::Case planned_case, const Job& job)
     {
         const bool asked = !options.views.empty();
-        PictureRequest request = picture_request(options, planned_case);
+        FieldViews request = picture_request(options, planned_case);
         if (!asked)
             request.views = { "overview", "slices" };
         for (const std::string& view : request.views)

@@ -3,7 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/plan/saved/saved_plan.h"
-#include "ui/cli/plan/field_files.h"
+#include "ui/results/field_files.h"
 
 #include <algorithm>
 #include <utility>
@@ -27,7 +27,7 @@ std::string save_plans(
     try {
         for (const planner::PlannedField& field : fields) {
             const std::string& name = field.approach.name;
-            if (!is_measured(field) || field.metrics.solution.draft || !has_approach(in_file, name)
+            if (!planner::is_measured(field) || field.metrics.solution.draft || !has_approach(in_file, name)
                 || !has_approach(planned_case, name)
                 || planner::plan_inputs(in_file, name) != planner::plan_inputs(planned_case, name))
                 continue;

@@ -19,9 +19,9 @@
 #include "ui/cli/framework/staged_results.h"
 #include "ui/cli/plan/comparison_text.h"
 #include "ui/cli/plan/draft_case.h"
-#include "ui/cli/plan/field_files.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/search_map.h"
+#include "ui/results/field_files.h"
 #include "ui/scene/vtk/render.h"
 
 #include <CLI/CLI.hpp>
@@ -135,7 +135,7 @@ namespace {
     /// The reason why a plan is no proposal; empty: it is one.
     std::string objection(const planner::PlannedField& field, const planner::IncisionSearch& search, double least_seen)
     {
-        if (!is_measured(field))
+        if (!planner::is_measured(field))
             return field.message;
         if (std::string why = planner::why_not_to_use(field.metrics); !why.empty())
             return why;
@@ -154,7 +154,7 @@ namespace {
             Proposal& proposal = proposals[n];
             if (const std::string why = objection(fields[n], search, least_seen); !why.empty()) {
                 planned.failed.push_back(proposal.words + ": " + why);
-                if (!is_measured(fields[n]) || !planner::why_not_to_use(fields[n].metrics).empty())
+                if (!planner::is_measured(fields[n]) || !planner::why_not_to_use(fields[n].metrics).empty())
                     planned.unsolved.push_back(std::move(proposal));
                 continue;
             }

@@ -38,7 +38,7 @@ ConferenceBar::ConferenceBar(QWidget* parent)
     connect(end, &QPushButton::clicked, this, [this] { on_end(); });
 }
 
-void ConferenceBar::show_step(const PresentationStep& step, std::size_t number, std::size_t count)
+void ConferenceBar::show_step(const planner::PresentationStep& step, std::size_t number, std::size_t count)
 {
     title_->setText(QString::fromStdString(step.title));
     text_->setText(QString::fromStdString(step.text));

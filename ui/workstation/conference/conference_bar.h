@@ -1,7 +1,7 @@
 #pragma once
 // The caption under the picture in a conference: large type, the number of the step, and buttons for the mouse.
 
-#include "ui/workstation/conference/presentation.h"
+#include "planner/decision/presentation.h"
 
 #include <QWidget>
 

@@ -1,7 +1,7 @@
 #include "ui/workstation/view/background_picture.h"
 
 #include "mesh/base/error.h"
-#include "ui/workstation/view/arrange_scenes.h"
+#include "ui/scene/arrange_scenes.h"
 
 #include <sys/resource.h>
 #include <unistd.h>

@@ -2,11 +2,11 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/job.h"
+#include "ui/scene/arrange_scenes.h"
 #include "ui/scene/linked_slices.h"
 #include "ui/scene/moving_scene.h"
 #include "ui/scene/vtk/live_surface.h"
 #include "ui/scene/vtk/scene_view.h"
-#include "ui/workstation/view/arrange_scenes.h"
 #include "ui/workstation/view/turn_style.h"
 
 #include <vtkCallbackCommand.h>

@@ -1,4 +1,4 @@
-#include "ui/workstation/view/arrange_scenes.h"
+#include "ui/scene/arrange_scenes.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "ui/cli/plan/field_files.h"
+#include "ui/results/field_files.h"
 
 #include "fem/model/loads.h"
 #include "mesh/base/atomic_file.h"
@@ -22,10 +22,10 @@
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/verdict.h"
 #include "planner/measures/volume_failures.h"
-#include "ui/cli/plan/metrics_csv.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/report_view/field_view.h"
+#include "ui/results/metrics_csv.h"
 #include "ui/scene/vtk/identifier_picture.h"
 #include "ui/scene/vtk/render.h"
 
@@ -34,52 +34,17 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <set>
 
-namespace retractor::ui::cli {
+namespace retractor::ui {
 
 namespace {
 
-    constexpr int kTetsWidth = 8;
-
-    /// Text after a space, right-aligned in a column of this width.
-    std::string right_aligned(const std::string& text, int width)
-    {
-        const std::size_t missing
-            = static_cast<std::size_t>(width) - std::min(text.size(), static_cast<std::size_t>(width));
-        return std::string(1 + missing, ' ') + text;
-    }
-
-    /// A column of the table for the terminal, with a short heading.
-    struct Column {
-        const char* key;
-        const char* head;
-        int width;
-    };
-
-    constexpr Column kColumns[] = {
-        { "seen_best_eye", "seen", 7 },
-        { "seen_two_eyes", "2 eyes", 7 },
-        { "reached_by_two_instruments", "2 tools", 7 },
-        { "opening_area_mm2", "area cm2", 9 },
-        { "opening_width_mm", "width mm", 9 },
-        { "working_distance_mm", "depth mm", 9 },
-        { "hook_force_N", "force N", 9 },
-        { "strain_p99", "strain", 8 },
-    };
-
-    /// Text of a cell: " 62.3 %" or "     57.9". The unit of lengths, areas and forces is in the column's heading.
-    std::string cell(const Column& column, const planner::FieldMetrics& field)
-    {
-        const planner::MetricField& metric = planner::metric_field(column.key);
-        const std::string text = metric.unit == planner::MetricUnit::percent
-            ? planner::metric_text(metric, metric.of(field))
-            : planner::metric_number(metric, metric.of(field));
-        return right_aligned(text, column.width);
-    }
+    using Json = nlohmann::ordered_json;
 
     std::string caption_of(const std::string& view)
     {
@@ -128,11 +93,6 @@ namespace {
         return limits;
     }
 
-    std::string residual_text(const planner::FieldMetrics& field)
-    {
-        return formatted("; relative residual %.1e", field.residual);
-    }
-
     /// The limits of each way of solving among the fields.
     std::string stiffness_limit(const std::vector<planner::PlannedField>& fields)
     {
@@ -156,31 +116,25 @@ namespace {
         return pressed;
     }
 
-    std::string_view status_word(planner::PlanStatus status)
-    {
-        switch (status) {
-        case planner::PlanStatus::done:
-            return "done";
-        case planner::PlanStatus::nothing_to_mesh:
-            return "no wall tissue near the incision";
-        case planner::PlanStatus::cut_missed:
-            return "the blade does not meet the wall";
-        case planner::PlanStatus::not_converged:
-            return "not fully opened";
-        case planner::PlanStatus::inverted:
-            return "opened with elements inside out";
-        case planner::PlanStatus::cancelled:
-            return "cancelled";
-        }
-        return "unknown";
-    }
-
 } // namespace
 
-bool is_measured(const planner::PlannedField& field)
+std::string_view status_word(planner::PlanStatus status)
 {
-    return field.status == planner::PlanStatus::done || field.status == planner::PlanStatus::not_converged
-        || field.status == planner::PlanStatus::inverted;
+    switch (status) {
+    case planner::PlanStatus::done:
+        return "done";
+    case planner::PlanStatus::nothing_to_mesh:
+        return "no wall tissue near the incision";
+    case planner::PlanStatus::cut_missed:
+        return "the blade does not meet the wall";
+    case planner::PlanStatus::not_converged:
+        return "not fully opened";
+    case planner::PlanStatus::inverted:
+        return "opened with elements inside out";
+    case planner::PlanStatus::cancelled:
+        return "cancelled";
+    }
+    return "unknown";
 }
 
 bool is_answer(const planner::PlannedField& field)
@@ -188,20 +142,12 @@ bool is_answer(const planner::PlannedField& field)
     return field.status == planner::PlanStatus::done && planner::is_believable(field.metrics);
 }
 
-int exit_code_of(const std::vector<planner::PlannedField>& fields)
-{
-    for (const planner::PlannedField& field : fields)
-        if (!is_answer(field) || (field.metrics.second_opinion && field.metrics.second_opinion->status != "agrees"))
-            return 1;
-    return 0;
-}
-
 void write_field_meshes(
     const std::filesystem::path& folder, planner::Patient& patient, const std::vector<planner::PlannedField>& fields)
 {
     std::set<std::string> targets;
     for (const planner::PlannedField& field : fields) {
-        if (!is_measured(field))
+        if (!planner::is_measured(field))
             continue;
         mesh::MeshFields values;
         values.point_vectors["displacement_mm"] = field.opening.displacement;
@@ -224,7 +170,7 @@ namespace {
 
     /// Counts the target's pixels in the surgeon's view, and names the structures in it.
     void check_and_name(Picture& picture, planner::PlannedField& field, OffscreenRenderer& renderer,
-        planner::Patient& patient, const PictureRequest& request)
+        planner::Patient& patient, const FieldViews& request)
     {
         Scene& scene = picture.viewports.front().scene;
         field.metrics.best_eye_pixels = target_pixels(renderer, scene).share();
@@ -237,13 +183,13 @@ namespace {
 } // namespace
 
 std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& folder, planner::Patient& patient,
-    std::vector<planner::PlannedField>& fields, const PictureRequest& request, const Job& job)
+    std::vector<planner::PlannedField>& fields, const FieldViews& request, const Job& job)
 {
     OffscreenRenderer renderer(make_offscreen_context(), job);
     std::vector<planner::ReportPicture> pictures;
     const double total = static_cast<double>(fields.size() * request.views.size());
     for (planner::PlannedField& field : fields) {
-        if (!is_measured(field))
+        if (!planner::is_measured(field))
             continue;
         const Stopwatch watch;
         for (const std::string& view : request.views) {
@@ -265,7 +211,7 @@ std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& f
 }
 
 std::vector<planner::ReportPicture> render_slices(
-    const std::filesystem::path& folder, planner::Patient& patient, const PictureRequest& request, const Job& job)
+    const std::filesystem::path& folder, planner::Patient& patient, const FieldViews& request, const Job& job)
 {
     OffscreenRenderer renderer(make_offscreen_context(), job);
     std::vector<planner::ReportPicture> pictures;
@@ -280,7 +226,7 @@ std::vector<planner::ReportPicture> render_slices(
 }
 
 std::vector<planner::ReportPicture> render_case_views(const std::filesystem::path& folder, planner::Patient& patient,
-    const std::optional<planner::TargetSpec>& target, const PictureRequest& request, const Job& job)
+    const std::optional<planner::TargetSpec>& target, const FieldViews& request, const Job& job)
 {
     OffscreenRenderer renderer(make_offscreen_context(), job);
     std::vector<planner::ReportPicture> pictures;
@@ -302,7 +248,7 @@ Json refused_document(const std::vector<planner::PlannedField>& fields)
 {
     Json refused = Json::array();
     for (const planner::PlannedField& field : fields)
-        if (!is_measured(field))
+        if (!planner::is_measured(field))
             refused.push_back({ { "name", field.approach.name }, { "status", status_word(field.status) },
                 { "attainable", planner::to_string(planner::Attainable::no) }, { "message", field.message } });
     return refused;
@@ -343,14 +289,14 @@ Json write_metrics(const std::filesystem::path& folder, const planner::Provenanc
 {
     std::vector<planner::FieldMetrics> metrics;
     for (const planner::PlannedField& field : fields)
-        if (is_measured(field))
+        if (planner::is_measured(field))
             metrics.push_back(field.metrics);
     Json document;
     document["computed"] = planner::provenance_document(computed);
     document.update(planner::metrics_document(metrics));
     std::size_t written = 0;
     for (const planner::PlannedField& field : fields)
-        if (is_measured(field)) {
+        if (planner::is_measured(field)) {
             Json& numbers = document["approaches"][written++];
             if (is_solved(field.metrics) && planner::why_not_to_use(field.metrics).empty())
                 numbers["score"] = planner::score_of(
@@ -379,7 +325,7 @@ namespace {
         std::size_t bytes = 0;
         std::vector<std::string> without;
         for (const planner::PlannedField& field : fields) {
-            if (!is_measured(field))
+            if (!planner::is_measured(field))
                 continue;
             std::string scene = field_view(patient, field);
             if (bytes + scene.size() > kMostBytes) {
@@ -398,7 +344,7 @@ namespace {
 
 } // namespace
 
-void write_field_report(const std::filesystem::path& folder, planner::Patient& patient,
+void write_field_report(const std::filesystem::path& file, planner::Patient& patient,
     const planner::Provenance& computed, const std::vector<planner::PlannedField>& fields,
     const std::vector<planner::ReportPicture>& pictures)
 {
@@ -410,7 +356,7 @@ void write_field_report(const std::filesystem::path& folder, planner::Patient& p
         labels->grid.size[0], labels->grid.size[1], labels->grid.size[2], labels->grid.spacing.x(),
         labels->grid.spacing.y(), labels->grid.spacing.z());
     for (const planner::PlannedField& field : fields)
-        if (is_measured(field)) {
+        if (planner::is_measured(field)) {
             report.fields.push_back(field.metrics);
             report.divided_bones.push_back(planner::divided_bones(*labels, field.approach));
             report.landmarks.push_back(planner::theatre_sentences(patient, field.approach));
@@ -422,102 +368,48 @@ void write_field_report(const std::filesystem::path& folder, planner::Patient& p
         report.chosen = std::string("The team's choice cannot be read: ") + error.what();
     }
     for (const planner::PlannedField& field : fields)
-        if (!is_measured(field))
+        if (!planner::is_measured(field))
             report.refused.push_back(field.approach.name
                 + " could not be planned: " + std::string(status_word(field.status)) + ". " + field.message);
     report.limits = report_limits(
         !patient.planned_case().supports.labels.empty(), patient.planned_case(), stiffness_limit(fields));
     add_views(report, patient, fields);
-    planner::write_report(folder / "report.html", report);
+    planner::write_report(file, report);
 }
 
-std::string field_table(const std::vector<planner::PlannedField>& fields)
+namespace {
+
+    /// A folder of this process, removed at the end.
+    struct OwnFolder {
+        std::filesystem::path path;
+        OwnFolder()
+        {
+            std::string name = (std::filesystem::temp_directory_path() / "retractor-XXXXXX").string();
+            if (mkdtemp(name.data()) == nullptr)
+                throw IoError("a folder for pictures cannot be made: " + std::string(std::strerror(errno)), name);
+            path = name;
+        }
+        OwnFolder(const OwnFolder&) = delete;
+        OwnFolder& operator=(const OwnFolder&) = delete;
+        ~OwnFolder()
+        {
+            std::error_code ignored;
+            std::filesystem::remove_all(path, ignored);
+        }
+    };
+
+} // namespace
+
+bool write_report_page(const std::filesystem::path& file, planner::Patient& patient,
+    std::vector<planner::PlannedField>& fields, const FieldViews& views, const Job& job)
 {
-    std::string text = formatted("%-16s", "approach");
-    for (const Column& column : kColumns)
-        text += right_aligned(column.head, column.width);
-    text += right_aligned("tets", kTetsWidth) + "\n";
-    for (const planner::PlannedField& field : fields) {
-        if (!is_measured(field)) {
-            text += field.approach.name + ": " + std::string(status_word(field.status))
-                + (field.message.empty() ? "" : ": " + field.message) + "\n";
-            continue;
-        }
-        const planner::FieldMetrics& m = field.metrics;
-        text += formatted("%-16s", m.name.c_str());
-        for (const Column& column : kColumns)
-            text += cell(column, m);
-        text += right_aligned(std::to_string(m.tets), kTetsWidth) + "\n";
-        if (field.status != planner::PlanStatus::done)
-            text += "  " + m.mechanics_status + "\n"
-                + (planner::keeps_volume(m) ? "" : "  " + planner::volume_failure_text(m) + "\n");
-        else if (!field.message.empty())
-            text += "  " + field.message + "\n";
-        for (const std::string& remark :
-            { planner::division_text(m), planner::removed_text(m.removed), planner::skin_hole_text(m) })
-            if (!remark.empty())
-                text += "  " + remark + "\n";
-        if (const std::string retractor = planner::retractor_text(m); !retractor.empty())
-            text += "  " + retractor + "\n";
-        if (const std::string lips = planner::lips_text(m); !lips.empty())
-            text += "  " + lips + "\n";
-        if (const std::string hooks = planner::hooks_text(m); !hooks.empty())
-            text += "  " + hooks + "\n";
-        if (const std::string moments = planner::force_moments_text(m); !moments.empty())
-            text += "  " + moments + "\n";
-        text += "  " + planner::solution_text(m) + residual_text(m) + "\n";
-        for (const planner::PressureMetrics& pressure : m.pressures)
-            text += "  " + planner::pressure_text(pressure) + "\n";
-        if (m.tension)
-            text += "  " + planner::tension_text(m) + "\n";
-        text += "  " + planner::error_text(m) + "\n";
-        if (const std::string parameters = planner::parameter_text(m); !parameters.empty())
-            text += "  " + parameters + "\n";
-        if (const std::string stiffness = planner::bone_stiffness_text(m); !stiffness.empty())
-            text += "  " + stiffness + "\n";
-        text += (planner::is_region_too_small(m) ? "  caution: " : "  ") + planner::region_text(m) + "\n";
-        if (const std::string piercing = planner::piercing_text(m); !piercing.empty())
-            text += "  " + piercing + "\n";
-        if (const std::string accuracy = planner::accuracy_text(m); !accuracy.empty())
-            text += "  " + accuracy + "\n";
-        if (m.contact)
-            text += (planner::passes_through(m) ? "  caution: " : "  ") + planner::contact_text(m) + "\n";
-        if (m.second_opinion)
-            text += "  " + planner::opinion_text(*m.second_opinion) + "\n";
-        if (const std::string shifted = planner::shifted_sight_text(m); !shifted.empty())
-            text += "  " + shifted + "\n";
-        if (const std::string estimated = planner::estimated_text(m); !estimated.empty())
-            text += "  caution: " + estimated + "\n";
-        if (!m.at_risk.empty())
-            text += "  " + planner::risks_text(m) + "\n";
-        if (!m.hooks.empty()) {
-            text += "  hooks bear on:";
-            for (const planner::HookForce& hook : m.hooks)
-                text += (&hook == &m.hooks.front() ? " " : "; ") + hook.name + " on " + planner::bearing_text(hook);
-            text += "\n";
-        }
-        if (m.hook_force_N > planner::kImpossibleForceN)
-            text += "  failed: " + planner::why_not_to_use(m) + "\n";
-        for (const std::string& implausible : m.implausible)
-            text += "  caution: accepted although implausible: " + implausible + "\n";
-        if (const std::string bones = planner::bones_text(m); !bones.empty())
-            text += (planner::breaks_bone(m) ? "  caution: " : "  ") + bones + "\n";
-        if (const std::string joints = planner::joints_text(m); !joints.empty())
-            text += "  " + joints + "\n";
-        if (const std::string strain = planner::tissue_strain_text(m); !strain.empty())
-            text += "  " + strain + "\n";
-        if (const std::string tearing = planner::tearing_text(m); !tearing.empty())
-            text += "  caution: " + tearing + "\n";
-        if (planner::may_rupture(m))
-            text += "  caution: " + planner::rupture_text(m) + "\n";
-        if (const std::string fast = planner::fast_opening_text(m); !fast.empty())
-            text += "  caution: " + fast + "\n";
-        if (m.inverted_elements > 0)
-            text += formatted("  caution: %d element(s) are turned inside out, and tissue is stretched to %.1f times "
-                              "its volume: strain and force are inaccurate\n",
-                m.inverted_elements, m.max_volume_ratio);
-    }
-    return text;
+    const OwnFolder folder;
+    const std::vector<planner::ReportPicture> pictures = render_fields(folder.path, patient, fields, views, job);
+    if (job.cancelled())
+        return false;
+    job.report("report", 0.0);
+    write_field_report(file, patient, provenance_now(patient.planned_case()), fields, pictures);
+    return true;
 }
 
-} // namespace retractor::ui::cli
+} // namespace retractor::ui

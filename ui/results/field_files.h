@@ -1,19 +1,22 @@
 #pragma once
-// Writes the results of `plan`, `render` and `demo`: meshes, numbers, pictures and the report page.
+// Writes results of plans into a folder: meshes, numbers, pictures and the report page.
 
 #include "planner/case/patient.h"
 #include "planner/measures/provenance.h"
 #include "planner/measures/report/report.h"
 #include "planner/plan/planned_field.h"
-#include "ui/cli/framework/command.h"
+
+#include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
-namespace retractor::ui::cli {
+namespace retractor::ui {
 
-struct PictureRequest {
+/// Which pictures to draw of each field.
+struct FieldViews {
     std::vector<std::string> views; ///< "surgeon", "overview", "slices"
     int width = 1280, height = 960;
     bool names = true; ///< the surgeon's view names the structures in it
@@ -28,15 +31,15 @@ void write_field_meshes(
 /// pixels of the target in the surgeon's view (FieldMetrics::best_eye_pixels). Adds the time to each field's seconds
 /// ("render").
 std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& folder, planner::Patient& patient,
-    std::vector<planner::PlannedField>& fields, const PictureRequest& request, const Job& job);
+    std::vector<planner::PlannedField>& fields, const FieldViews& request, const Job& job);
 
 /// Renders <name>-slices.png of every approach of a case that has a CT, without planning the approaches.
 std::vector<planner::ReportPicture> render_slices(
-    const std::filesystem::path& folder, planner::Patient& patient, const PictureRequest& request, const Job& job);
+    const std::filesystem::path& folder, planner::Patient& patient, const FieldViews& request, const Job& job);
 
 /// Renders slices.png and overview.png of a case without its approaches, see case_picture().
 std::vector<planner::ReportPicture> render_case_views(const std::filesystem::path& folder, planner::Patient& patient,
-    const std::optional<planner::TargetSpec>& target, const PictureRequest& request, const Job& job);
+    const std::optional<planner::TargetSpec>& target, const FieldViews& request, const Job& job);
 
 /// The provenance of results that this program computes now.
 planner::Provenance provenance_now(const planner::Case& planned_case);
@@ -49,28 +52,25 @@ std::vector<std::string> keep_earlier_metrics(const std::filesystem::path& folde
     const std::vector<planner::PlannedField>& fields);
 
 /// Writes metrics.json, and its numbers as metrics.csv. @return the document
-Json write_metrics(const std::filesystem::path& folder, const planner::Provenance& computed, planner::Patient& patient,
-    const std::vector<planner::PlannedField>& fields);
+nlohmann::ordered_json write_metrics(const std::filesystem::path& folder, const planner::Provenance& computed,
+    planner::Patient& patient, const std::vector<planner::PlannedField>& fields);
 
-/// Writes report.html from the plans and pictures.
-void write_field_report(const std::filesystem::path& folder, planner::Patient& patient,
+/// Writes the report page from the plans and pictures. The page holds the pictures itself.
+void write_field_report(const std::filesystem::path& file, planner::Patient& patient,
     const planner::Provenance& computed, const std::vector<planner::PlannedField>& fields,
     const std::vector<planner::ReportPicture>& pictures);
 
-/// A table for people, with the approaches that could not be planned and the reasons.
-std::string field_table(const std::vector<planner::PlannedField>& fields);
+/// Draws the pictures and writes the report page alone. @return false: cancelled, and nothing is written
+bool write_report_page(const std::filesystem::path& file, planner::Patient& patient,
+    std::vector<planner::PlannedField>& fields, const FieldViews& views, const Job& job);
 
 /// The fields that could not be planned, with name, status and message.
-Json refused_document(const std::vector<planner::PlannedField>& fields);
+nlohmann::ordered_json refused_document(const std::vector<planner::PlannedField>& fields);
 
-/// Whether a field has numbers to show.
-bool is_measured(const planner::PlannedField& field);
+/// What became of a plan, in words.
+std::string_view status_word(planner::PlanStatus status);
 
 /// Whether a field opened as asked, with numbers that can be believed (planner/measures/volume_failures.h).
 bool is_answer(const planner::PlannedField& field);
 
-/// Exit code: 0 when every field is an answer; 1 when a field is refused, did not converge or is not to be believed, or
-/// a requested second opinion does not agree. Injury, of a rib or of skin, is an answer.
-int exit_code_of(const std::vector<planner::PlannedField>& fields);
-
-} // namespace retractor::ui::cli
+} // namespace retractor::ui

@@ -1,0 +1,120 @@
+#include "planner/decision/presentation.h"
+
+#include "mesh/base/assert.h"
+#include "mesh/base/text_format.h"
+#include "planner/approach/approach_draft.h"
+#include "planner/measures/comparison.h"
+#include "planner/measures/verdict.h"
+
+#include <string_view>
+
+namespace retractor::planner {
+
+namespace {
+
+    std::string percent(double share) { return formatted("%.0f %%", 100.0 * share); }
+
+    std::string cut_text(const Approach& approach)
+    {
+        return formatted("The incision is %.0f mm long. The target: ", incision_length(approach))
+            + readable(target_name(approach.target)) + ".";
+    }
+
+    std::string depth_text(const Approach& approach, const FieldMetrics* field)
+    {
+        const std::string depth = formatted("The blade goes %.0f mm deep.", approach.depth_mm);
+        if (field != nullptr && field->division) { // what was done
+            const std::string done = field->division->words;
+            return done.empty() ? depth : depth + " Division: " + done + ".";
+        }
+        if (approach.division.extent == DivisionExtent::full)
+            return depth + " Intercostal muscle and pleura are to be divided beyond the skin.";
+        if (divides_sternum(approach.division.extent))
+            return depth + " The sternum is to be sawn across under the skin.";
+        return depth;
+    }
+
+    std::string opened_text(const FieldMetrics& field)
+    {
+        std::string text;
+        for (const std::string& sentence : verdict_of(field).sentences)
+            text += (text.empty() ? "" : " ") + sentence;
+        return text;
+    }
+
+    std::string seen_text(const FieldMetrics& field)
+    {
+        if (const std::string why = why_not_to_use(field); !why.empty())
+            return why;
+        std::string text = "The best eye sees " + percent(field.seen_best_eye) + " of the " + readable(field.target)
+            + "; two instruments reach " + percent(field.reached_by_two_instruments) + ", a finger touches "
+            + percent(field.reached_by_finger) + ".";
+        if (!field.best_eye.hidden_by.empty()) {
+            const SightBlocker& most = field.best_eye.hidden_by.front();
+            text += " Most is hidden by " + readable(most.name) + " (" + percent(most.share) + ").";
+        }
+        if (!field.estimated.empty())
+            text += " Estimated, not seen in the image: " + readable(field.estimated.front())
+                + (field.estimated.size() > 1 ? " and others." : ".");
+        return text;
+    }
+
+    void add_steps(std::vector<PresentationStep>& steps, const Approach& approach, std::size_t index,
+        const PresentedApproach& known)
+    {
+        const std::string name = spoken_name(approach);
+        steps.push_back({ PresentedView::incision, index, name, cut_text(approach) });
+        if (known.has_slices)
+            steps.push_back(
+                { PresentedView::blade, index, name + ": what the blade passes", depth_text(approach, known.field) });
+        if (known.field == nullptr)
+            return;
+        steps.push_back({ PresentedView::opened, index, name + ": opened", opened_text(*known.field) });
+        steps.push_back({ PresentedView::seen, index, name + ": what the surgeon sees", seen_text(*known.field) });
+    }
+
+    /// @param planned index of the approach of each field
+    /// @return which approach shows most, where one leads beyond the error; and what is chosen
+    std::string comparison_text(const Case& planned_case, const std::vector<std::size_t>& planned,
+        const std::vector<FieldMetrics>& fields, const Decisions& decisions)
+    {
+        std::string text = "No approach leads in what is seen by more than the error.";
+        if (!have_one_target(fields))
+            text = kDifferentTargets;
+        else
+            for (const ComparedMeasure& measure : compared_measures(fields))
+                if (std::string_view(measure.metric->key) == "seen_best_eye" && measure.leader)
+                    text = "Most of the target is seen through "
+                        + spoken_name(planned_case.approaches.at(planned.at(*measure.leader))) + " ("
+                        + percent(fields.at(*measure.leader).seen_best_eye) + ").";
+        if (decisions.choices.empty())
+            return text + " Nothing is chosen yet.";
+        const Choice& choice = decisions.choices.back();
+        return text + " " + choice_sentence(choice, chosen_name(planned_case, choice));
+    }
+
+} // namespace
+
+std::vector<PresentationStep> presentation_of(
+    const Case& planned_case, const std::vector<PresentedApproach>& known, const Decisions& decisions)
+{
+    RETRACTOR_ASSERT(known.size() == planned_case.approaches.size());
+    std::vector<PresentationStep> steps;
+    std::vector<std::size_t> planned;
+    std::vector<FieldMetrics> fields;
+    for (std::size_t index = 0; index < known.size(); ++index) {
+        add_steps(steps, planned_case.approaches[index], index, known[index]);
+        if (known[index].field == nullptr)
+            continue;
+        planned.push_back(index);
+        fields.push_back(*known[index].field);
+    }
+    if (fields.size() > 1)
+        steps.push_back({ PresentedView::comparison, std::nullopt, "Comparison",
+            comparison_text(planned_case, planned, fields, decisions) });
+    if (steps.empty())
+        steps.push_back({ PresentedView::patient, std::nullopt, "The patient", "There is no approach yet." });
+    return steps;
+}
+
+} // namespace retractor::planner

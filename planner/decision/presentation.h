@@ -1,0 +1,43 @@
+#pragma once
+// The plans of a case step by step, for the team's case conference: for each approach where it cuts, what the blade
+// passes, how the wound opens and what the surgeon sees; at the end all planned approaches beside each other. The
+// window shows the steps one by one, a movie plays them.
+
+#include "planner/case/case.h"
+#include "planner/decision/decisions.h"
+#include "planner/measures/field_metrics.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace retractor::planner {
+
+/// What a step shows.
+enum class PresentedView {
+    patient, ///< there is no approach
+    incision, ///< on the skin, before the cut
+    blade, ///< slices along and across the incision, with the blade
+    opened, ///< the opened patient from outside
+    seen, ///< from the surgeon's eye
+    comparison, ///< what the surgeon's eye sees through all planned approaches, side by side
+};
+
+struct PresentationStep {
+    PresentedView view = PresentedView::patient;
+    std::optional<std::size_t> approach {}; ///< index in the case; nothing: the patient alone, or all approaches
+    std::string title {}, text {}; ///< text: one to three sentences
+};
+
+/// What is known of an approach of the case.
+struct PresentedApproach {
+    const FieldMetrics* field = nullptr; ///< its plan; null: it is not planned
+    bool has_slices = false; ///< along and across the incision
+};
+
+/// At least one step. @pre one entry of `known` for each approach of the case
+std::vector<PresentationStep> presentation_of(
+    const Case& planned_case, const std::vector<PresentedApproach>& known, const Decisions& decisions);
+
+} // namespace retractor::planner

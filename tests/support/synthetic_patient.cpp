@@ -2,6 +2,7 @@
 
 #include "tests/planner/session/layered_wall.h"
 
+#include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "planner/case/patient.h"
 #include "planner/session/saved_cuts.h"
@@ -156,6 +157,23 @@ planner::Case synthetic_case()
     return planned_case;
 }
 
+namespace {
+
+    /// Writes the text once the control lets it. @return false: cancelled
+    bool write_held(
+        const SyntheticControl& control, const std::filesystem::path& file, const std::string& text, const Job& job)
+    {
+        job.report("movie", 0.5);
+        while (control.hold_files && !job.cancelled())
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        if (job.cancelled())
+            return false;
+        write_file_atomically(file, text);
+        return true;
+    }
+
+} // namespace
+
 ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& control)
 {
     ui::PlanningBackend backend;
@@ -229,6 +247,14 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
         if (approach.name == "broken")
             throw InputError("this saved plan is damaged: plan the approach again", "plans/broken.plan");
         return opened_field(approach);
+    };
+    backend.write_movie = [control](const planner::Case& shown, const std::filesystem::path& file,
+                              const std::filesystem::path& pictures, const Job& job) {
+        return write_held(
+            *control, file, shown.approaches.front().name + (pictures.empty() ? "" : " with pictures"), job);
+    };
+    backend.write_report = [control](const planner::Case&, const std::filesystem::path& file, const Job& job) {
+        return write_held(*control, file, "report", job);
     };
     return backend;
 }

@@ -38,7 +38,7 @@ void MainWindow::make_actions()
         [this] { ask_for_log_file(); });
     add_action(*help, "About Retractor", {}, "Show the version and the licence", [this] { show_about(); });
     // Keys that work without the menus, in a conference.
-    addActions({ surgeon_, overview_, slices_, incision_, compare_, opened_, cancel_, confer_ });
+    addActions({ surgeon_, overview_, slices_, incision_, compare_, opened_, cancel_, confer_, movie_, report_ });
     make_tool_bar();
 }
 
@@ -51,6 +51,10 @@ void MainWindow::make_file_actions(QMenu& menu)
     menu.addSeparator();
     save_ = add_action(
         menu, "Save picture…", QKeySequence::Save, "Save the picture as PNG", [this] { ask_for_picture_file(); });
+    movie_ = add_action(menu, "Save a movie…", QKeySequence("Ctrl+M"),
+        "Save a movie of the plans: cut, opened, and seen through the incision", [this] { ask_for_movie_file(); });
+    report_ = add_action(menu, "Save the report…", QKeySequence("Ctrl+R"),
+        "Save the plans with numbers and pictures as a page for the browser", [this] { ask_for_report_file(); });
     palpate_ = add_action(menu, "Palpate a structure…", {}, "Palpate a vessel or an organ of this case in a new window",
         [this] { ask_for_structure(); });
     menu.addSeparator();

@@ -69,6 +69,8 @@ void MainWindow::make_conference()
 {
     conference_bar_->on_step = [this](int steps) { step_by(steps); };
     conference_bar_->on_end = [this] { set_conference(false); };
+    conference_bar_->on_movie = [this] { ask_for_movie_file(); };
+    conference_bar_->on_report = [this] { ask_for_report_file(); };
     presenter_keys_ = new QActionGroup(this);
     const auto add_keys = [this](const QList<QKeySequence>& keys, std::function<void()> run) {
         auto* action = new QAction(this);
@@ -122,8 +124,6 @@ void MainWindow::set_conference(bool on)
     go_to_step(begins == steps_.end() ? 0 : static_cast<std::size_t>(begins - steps_.begin()));
 }
 
-void MainWindow::renew_steps()
-{
 std::vector<planner::PresentationStep> MainWindow::steps_now() const
 {
     std::vector<planner::PresentedApproach> known;
@@ -135,6 +135,8 @@ std::vector<planner::PresentationStep> MainWindow::steps_now() const
     return planner::presentation_of(model_->planned_case(), known, model_->decisions());
 }
 
+void MainWindow::renew_steps()
+{
     if (!in_conference() || !model_)
         return;
     const planner::PresentationStep present = steps_[step_];

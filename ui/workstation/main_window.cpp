@@ -20,7 +20,6 @@
 #include "ui/workstation/start/start_page.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/picture_view.h"
-#include "ui/workstation/view/png_file.h"
 #include "ui/workstation/view/theme.h"
 
 #include <QActionGroup>
@@ -37,7 +36,6 @@
 #include <QMimeData>
 #include <QProgressBar>
 #include <QPushButton>
-#include <QSaveFile>
 #include <QSplitter>
 #include <QStackedWidget>
 #include <QStatusBar>
@@ -121,6 +119,9 @@ bool MainWindow::may_leave_case(const QString& question)
         && !may_lose(question, "A plan is being calculated. If you close now, the plan ends and its result is lost.",
             "Go on planning"))
         return false;
+    if (exports_running_ > 0
+        && !may_lose(question, "A file is being saved. If you close now, it is not saved.", "Go on saving"))
+        return false;
     if (labels_->changed()
         && !may_lose(
             question, "The corrected labels are not saved. If you close now, the corrections are lost.", "Go back"))
@@ -140,6 +141,7 @@ void MainWindow::closeEvent(QCloseEvent* event)
     if (model_)
         model_->cancel();
     planning_executor_.cancel();
+    export_executor_.cancel();
     event->accept();
 }
 
@@ -622,6 +624,7 @@ void MainWindow::make_status_line()
     progress_->setRange(0, kProgressSteps);
     progress_->setFixedWidth(300);
     cancel_button_ = new QPushButton("Cancel");
+    cancel_button_->setObjectName("cancel");
     connect(cancel_button_, &QPushButton::clicked, this, [this] { cancel_planning(); });
     statusBar()->addPermanentWidget(progress_);
     statusBar()->addPermanentWidget(cancel_button_);
@@ -867,17 +870,19 @@ void MainWindow::cancel()
 
 void MainWindow::cancel_planning()
 {
-    if (!model_)
-        return;
-    model_->cancel();
-    planning_executor_.cancel();
+    if (model_ && model_->busy()) {
+        model_->cancel();
+        planning_executor_.cancel();
+    } else {
+        export_executor_.cancel();
+    }
     show_all();
 }
 
 bool MainWindow::idle() const
 {
-    return reading_ == 0 && saving_ == 0 && closed_running_ == 0 && plans_running_ == 0 && knife_->idle()
-        && editor_->idle() && labels_->idle();
+    return reading_ == 0 && saving_ == 0 && closed_running_ == 0 && plans_running_ == 0 && exports_running_ == 0
+        && knife_->idle() && editor_->idle() && labels_->idle();
 }
 
 void MainWindow::hand_out_work()
@@ -1028,6 +1033,8 @@ void MainWindow::show_actions()
     plan_->setEnabled(any && (state->status == FieldStatus::closed || state->status == FieldStatus::failed));
     plan_all_->setEnabled(any);
     save_->setEnabled(model_ != nullptr);
+    movie_->setEnabled(any && backend_.write_movie && exports_running_ == 0);
+    report_->setEnabled(model_ && !model_->planned().empty() && backend_.write_report && exports_running_ == 0);
     close_case_->setEnabled(model_ != nullptr);
     palpate_->setEnabled(model_ != nullptr && static_cast<bool>(on_palpable));
     new_approach_->setEnabled(model_ != nullptr);
@@ -1158,20 +1165,6 @@ void MainWindow::open_manual()
 
 std::string MainWindow::log_text() { return log_.text(view_->renderer()); }
 
-void MainWindow::ask_for_log_file()
-{
-    const QString file = QFileDialog::getSaveFileName(this, "Save the log", "retractor-log.txt", "Text (*.txt)");
-    if (file.isEmpty())
-        return;
-    log_.hide(file.toStdString());
-    QSaveFile out(file); // written beside, then renamed
-    const std::string text = log_text();
-    if (!out.open(QIODevice::WriteOnly) || out.write(text.c_str(), static_cast<qint64>(text.size())) < 0
-        || !out.commit())
-        return show_error({ "the log cannot be written: " + out.errorString().toStdString(), file.toStdString() });
-    show_message("Saved " + file);
-}
-
 /// Whether the picture is that of the slices, and not that of the knife.
 bool MainWindow::slices_shown() const
 {
@@ -1212,7 +1205,7 @@ Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& sour
 
 void MainWindow::show_progress()
 {
-    const bool busy = model_ && model_->busy();
+    const bool plans = model_ && model_->busy(), busy = plans || exports_running_ > 0;
     cancel_->setEnabled(busy || knife_->mode() != KnifeMode::away || editor_->drawing() || measuring_
         || labels_->active() || in_conference());
     progress_->setVisible(busy);
@@ -1225,6 +1218,18 @@ void MainWindow::show_progress()
         return;
     }
     progress_timer_.start();
+    if (exports_running_ > 0) {
+        const SerialExecutor::Progress writing = export_executor_.progress();
+        conference_bar_->show_note(QString("Saving: %1 (%2 %)")
+                                       .arg(QString::fromStdString(writing.stage))
+                                       .arg(100.0 * writing.fraction, 0, 'f', 0));
+        if (!plans) {
+            cancel_button_->setEnabled(true);
+            progress_->setValue(static_cast<int>(kProgressSteps * writing.fraction));
+            progress_->setFormat("saving: " + QString::fromStdString(writing.stage));
+            return;
+        }
+    }
     const auto index = model_->planning(); // none: the approach was changed or removed meanwhile
     const bool cancelling = model_->planning_unwanted();
     cancel_button_->setEnabled(!cancelling);
@@ -1242,6 +1247,7 @@ void MainWindow::show_error(const Failure& failure)
     message_->setText(QString::fromStdString(error_));
     message_->setToolTip(message_->text());
     start_page_->show_failure(message_->text());
+    conference_bar_->show_note(message_->text());
 }
 
 void MainWindow::show_message(const QString& text)
@@ -1250,6 +1256,7 @@ void MainWindow::show_message(const QString& text)
     log_.add("message", text.toStdString());
     message_->setStyleSheet({});
     message_->setText(text);
+    conference_bar_->show_note(text);
 }
 
 std::string MainWindow::message_line() const { return message_->text().toStdString(); }
@@ -1260,15 +1267,7 @@ void MainWindow::clear_error()
     message_->clear();
     message_->setToolTip({});
     start_page_->show_failure({});
-}
-
-void MainWindow::save_picture(const std::filesystem::path& path) { write_png_file(path, view_->picture()); }
-
-void MainWindow::save_screenshot(const std::filesystem::path& path)
-{
-    if (!start_page_shown())
-        view_->picture();
-    write_png_file(path, grab().toImage());
+    conference_bar_->show_note({});
 }
 
 void MainWindow::ask_for_case()
@@ -1294,33 +1293,6 @@ void MainWindow::ask_for_structure()
         "Structure to palpate (a vessel gets a wall of 2 mm, filled with blood):", names, vessel, false, &chosen);
     if (chosen)
         palpate(name.toStdString());
-}
-
-void MainWindow::ask_for_picture_file()
-{
-    QString file = QFileDialog::getSaveFileName(this, "Save picture", "picture.png", "Picture (*.png)");
-    if (file.isEmpty())
-        return;
-    if (!file.endsWith(".png", Qt::CaseInsensitive))
-        file += ".png";
-    log_.hide(file.toStdString());
-    try {
-        save_picture(file.toStdString());
-        show_message("Saved " + file);
-    } catch (...) {
-        show_error(with_controls(current_failure()));
-    }
-}
-
-void MainWindow::ask_for_export_file()
-{
-    QString file = QFileDialog::getSaveFileName(this, "Export the cut wall", "cut-wall.vtu", "Mesh (*.vtu)");
-    if (file.isEmpty())
-        return;
-    if (!file.endsWith(".vtu", Qt::CaseInsensitive))
-        file += ".vtu";
-    log_.hide(file.toStdString());
-    knife_->run(planner::surgery::ExportWall { file.toStdString() });
 }
 
 void MainWindow::show_about()

@@ -89,6 +89,12 @@ public:
     /// Writes the whole window as PNG. @throws IoError
     void save_screenshot(const std::filesystem::path& path);
 
+    /// Writes a movie of the case and its plans, in the background.
+    /// @param with_pictures also every frame, into a folder beside the file
+    void save_movie(const std::filesystem::path& file, bool with_pictures = false);
+    /// Writes the report page of the case and its plans, in the background.
+    void save_report(const std::filesystem::path& file);
+
     /// Begins or ends the conference: full screen, large type, the plans step by step.
     void set_conference(bool on);
     bool in_conference() const { return !steps_.empty(); }
@@ -143,14 +149,14 @@ private:
 
     // main_conference.cpp
     void make_conference();
+    /// The steps of the case as it is now.
+    std::vector<planner::PresentationStep> steps_now() const;
     void go_to_step(std::size_t step);
     void step_by(int steps);
     /// More steps where pictures or plans have come meanwhile; the present step stays.
     void renew_steps();
     void show_frame(bool shown); ///< menus, tool bar, panes and status line
 
-    /// The steps of the case as it is now.
-    std::vector<planner::PresentationStep> steps_now() const;
     void choose_approach();
     void ask_questions();
     /// Reads the decisions again, changes them and writes them, in the background.
@@ -159,7 +165,6 @@ private:
     void enlarge(std::size_t scene);
     void set_label_look(LabelLook look);
     void open_manual();
-    void ask_for_log_file();
     bool labels_tab_open() const;
     /// Gives the mouse to the brush on the slices.
     void correct_labels();
@@ -187,9 +192,15 @@ private:
     void open_trainer();
 
     void ask_for_case();
-    void ask_for_picture_file();
     void ask_for_structure();
+
+    // main_exports.cpp
+    void run_export(const QString& file, std::function<bool(const Job&)> write);
+    void ask_for_picture_file();
+    void ask_for_movie_file();
+    void ask_for_report_file();
     void ask_for_export_file();
+    void ask_for_log_file();
     void show_about();
 
     void hand_out_work();
@@ -232,7 +243,7 @@ private:
     bool remembers_ = false; ///< opened cases are listed on the start page
     std::filesystem::path pictured_; ///< the case file whose picture was kept last
     QString start_work_; ///< what the start page waits for, in words
-    int closed_running_ = 0, plans_running_ = 0;
+    int closed_running_ = 0, plans_running_ = 0, exports_running_ = 0;
     std::string error_;
     ShownSource shown_; ///< source of the shown picture
 
@@ -267,7 +278,7 @@ private:
             *measure_ = nullptr, *correct_ = nullptr, *confer_ = nullptr;
     QActionGroup *label_looks_ = nullptr, *presenter_keys_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
-            *palpate_ = nullptr;
+            *palpate_ = nullptr, *movie_ = nullptr, *report_ = nullptr;
     QLabel* message_ = nullptr;
     QProgressBar* progress_ = nullptr;
     QPushButton* cancel_button_ = nullptr;
@@ -284,6 +295,7 @@ private:
     SerialExecutor saving_executor_ { { .when_destroyed = WaitingTasks::run } }; ///< what was edited is written
     SerialExecutor closed_executor_;
     SerialExecutor planning_executor_;
+    SerialExecutor export_executor_;
     std::unique_ptr<KnifeTool> knife_;
     std::unique_ptr<LabelEditor> labels_;
 };

@@ -21,6 +21,7 @@
 #include "planner/wall/wall_tension.h"
 #include "ui/cli/framework/open_case.h"
 #include "ui/cli/plan/second_opinion.h"
+#include "ui/movie/plan_movie.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/scene/vtk/offscreen.h"
 
@@ -60,6 +61,8 @@ namespace {
         bool draft = false;
         bool injury_options = false; ///< PlanChecks::injury_options
         bool render = false;
+        bool play = false; ///< a movie instead of pictures
+        bool frames = false; ///< the movie's pictures, too
         bool parallel = false;
     };
 
@@ -431,15 +434,54 @@ namespace {
         return picture_outcome(pictures);
     }
 
+    /// Plays the plans as a movie.
+    Outcome render_movie(const PlanOptions& options, const Job& job)
+    {
+        if (!options.views.empty())
+            throw InputError("a movie shows its own views", "--views");
+        const auto [width, height] = parse_size(options.size);
+        const MovieSettings settings { .width = width, .height = height };
+        check_movie(settings);
+        PlannedCase planned(options, Rounds::one, job);
+        auto& [in_file, patient, request, checks, folder, made, drawn] = planned;
+        const fs::path file = folder / "movie.webm", frames = options.frames ? folder / "frames" : fs::path();
+        if (options.frames)
+            make_folder(frames);
+        const MovieContent content { .planned_case = patient.planned_case(), .fields = drawn.fields };
+        if (!write_movie(file, frames, patient, content, settings, make_offscreen_context(), job))
+            refuse_if_cancelled(job);
+        Outcome outcome;
+        outcome.document["movie"] = file.string();
+        outcome.text = file.string() + "\n";
+        if (options.frames) {
+            outcome.document["frames"] = frames.string();
+            outcome.text += frames.string() + ": every frame as a picture\n";
+        }
+        outcome.text += drawn.remarks;
+        outcome.exit_code = exit_code_of(drawn.fields);
+        if (outcome.exit_code != 0)
+            outcome.text += field_table(drawn.fields);
+        return outcome;
+    }
+
     Outcome render(const PlanOptions& options, const Job& job)
     {
+        if (options.frames && !options.play)
+            throw InputError("there are frames only of a movie: add --play", "--frames");
         planner::Case planned_case = open_case(options.case_file);
+        if (options.play && !options.target.empty())
+            throw InputError("a movie shows the approaches, each with its own target", "--target");
         if (!options.approach.empty())
             static_cast<void>(
                 planner::find_approach(planned_case, options.approach)); // refuses a name that does not exist
         if (planned_case.approaches.empty() || !planner::has_soft_wall(planned_case.label_table)
-            || !options.target.empty())
+            || !options.target.empty()) {
+            if (options.play)
+                throw InputError("a movie needs an approach, and a wall to open", options.case_file);
             return render_case(options, std::move(planned_case), job);
+        }
+        if (options.play)
+            return render_movie(options, job);
         if (const auto views = split(options.views, ','); views == std::vector<std::string> { "slices" })
             return render_slices_of(options, job);
         return render_fields_of(options, job);
@@ -627,17 +669,22 @@ void add_render_command(Commands& commands)
     auto options = std::make_shared<PlanOptions>();
     CLI::App* command = commands.app.add_subcommand(
         "render", "Draw the planned fields of a case without a display; draw the case itself when it has no approach");
-    command->footer("Example: retractor render case.json --out pictures --views surgeon,slices --size 1920x1080");
+    command->footer("Example: retractor render case.json --out pictures --views surgeon,slices --size 1920x1080\n"
+                    "Example: retractor render case.json --out movie --play --size 1280x720");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
     command->add_option("--target", options->target,
         "Show the case without its approaches, and look at this label, site SITE:LABEL:x,y,z,r or sphere x,y,z,r "
         "(default "
         "when the case has no approach: the first label of role target or at-risk)");
-    command->add_option("--out", options->out, "Folder for the PNG files")->required();
+    command->add_option("--out", options->out, "Folder for the PNG files, or the movie")->required();
     command->add_option(
         "--views", options->views, "surgeon, overview, slices, separated by commas (default: the case's)");
     command->add_option("--size", options->size, "Width x height in pixels")->capture_default_str();
+    command->add_flag("--play", options->play,
+        "Write movie.webm (VP9) instead of pictures: each approach before the cut, cut, pulled open, and seen through "
+        "the incision");
+    command->add_flag("--frames", options->frames, "With --play: also every frame as a picture, frames/00001.png ..");
     command->add_flag("--no-names", options->without_names, "Leave out the names of structures in the surgeon's view");
     add_solution_options(*command, *options);
     command->add_option("--backend", options->backend, "osmesa or egl")->check(CLI::IsMember({ "osmesa", "egl" }));

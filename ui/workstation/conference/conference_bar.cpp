@@ -22,19 +22,27 @@ ConferenceBar::ConferenceBar(QWidget* parent)
     text_ = plain_label("font-size: 20px; color: #d7dde2;");
     words->addWidget(title_);
     words->addWidget(text_);
+    note_ = plain_label("font-size: 16px; color: #ffd27f;");
+    note_->setObjectName("note");
+    note_->hide();
+    words->addWidget(note_);
     row->addLayout(words, 1);
     number_ = plain_label("font-size: 18px; color: #a4adb5;");
     number_->setWordWrap(false);
     row->addWidget(number_);
     back_ = unfocused(new QPushButton("Back"), "The step before (Left, Page Up)");
     next_ = unfocused(new QPushButton("Next"), "The next step (Right, Page Down, Space)");
+    auto* movie = unfocused(new QPushButton("Movie…"), "Save a movie of the plans (Ctrl+M)");
+    auto* report = unfocused(new QPushButton("Report…"), "Save the report (Ctrl+R)");
     auto* end = unfocused(new QPushButton("End"), "Back to planning (Esc)");
-    for (QPushButton* button : { back_, next_, end }) {
+    for (QPushButton* button : { back_, next_, movie, report, end }) {
         button->setStyleSheet("font-size: 18px; padding: 8px 16px;");
         row->addWidget(button);
     }
     connect(back_, &QPushButton::clicked, this, [this] { on_step(-1); });
     connect(next_, &QPushButton::clicked, this, [this] { on_step(1); });
+    connect(movie, &QPushButton::clicked, this, [this] { on_movie(); });
+    connect(report, &QPushButton::clicked, this, [this] { on_report(); });
     connect(end, &QPushButton::clicked, this, [this] { on_end(); });
 }
 
@@ -45,6 +53,12 @@ void ConferenceBar::show_step(const planner::PresentationStep& step, std::size_t
     number_->setText(QString("%1 / %2").arg(number).arg(count));
     back_->setEnabled(number > 1);
     next_->setEnabled(number < count);
+}
+
+void ConferenceBar::show_note(const QString& note)
+{
+    note_->setText(note);
+    note_->setVisible(!note.isEmpty());
 }
 
 QString ConferenceBar::title() const { return title_->text(); }

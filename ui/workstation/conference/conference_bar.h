@@ -17,16 +17,18 @@ public:
     explicit ConferenceBar(QWidget* parent = nullptr);
 
     /// @param number of the step, from 1
-    void show_step(const PresentationStep& step, std::size_t number, std::size_t count);
+    void show_step(const planner::PresentationStep& step, std::size_t number, std::size_t count);
+    /// A line under the text: what is being saved, or what went wrong; empty: none.
+    void show_note(const QString& note);
     QString title() const;
     QString text() const;
 
     // Set by the owner.
     std::function<void(int)> on_step; ///< +1 or -1
-    std::function<void()> on_end;
+    std::function<void()> on_end, on_movie, on_report;
 
 private:
-    QLabel *title_ = nullptr, *text_ = nullptr, *number_ = nullptr;
+    QLabel *title_ = nullptr, *text_ = nullptr, *number_ = nullptr, *note_ = nullptr;
     QPushButton *back_ = nullptr, *next_ = nullptr;
 };
 

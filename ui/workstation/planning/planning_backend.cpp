@@ -14,7 +14,10 @@
 #include "planner/wall/parted_bones.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_cut.h"
+#include "ui/movie/plan_movie.h"
 #include "ui/plan_scene/plan_scene.h"
+#include "ui/results/field_files.h"
+#include "ui/scene/vtk/offscreen.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -48,6 +51,16 @@ namespace {
         planner::Case planned_case = patient.planned_case();
         planned_case.approaches = { approach };
         return planned_case;
+    }
+
+    /// The saved plans of the shown approaches; those without one are left out.
+    std::vector<planner::PlannedField> saved_fields(const planner::Patient& patient, const planner::Case& shown)
+    {
+        std::vector<planner::PlannedField> fields;
+        for (const planner::Approach& approach : shown.approaches)
+            if (auto saved = planner::read_saved_plan(case_with(patient, approach), approach.name))
+                fields.push_back(std::move(saved->field));
+        return fields;
     }
 
     PlanOutcome saved_outcome(
@@ -225,6 +238,17 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
         const std::optional<planner::SavedPlan> saved
             = planner::read_saved_plan(case_with(*patient, approach), approach.name);
         return saved ? std::optional(pictures_of(*patient, saved->field)) : std::nullopt;
+    };
+    backend.write_movie = [patient](const planner::Case& shown, const std::filesystem::path& file,
+                              const std::filesystem::path& pictures, const Job& job) {
+        if (!pictures.empty())
+            std::filesystem::create_directories(pictures);
+        const MovieContent content { .planned_case = shown, .fields = saved_fields(*patient, shown) };
+        return write_movie(file, pictures, *patient, content, {}, make_offscreen_context(), job);
+    };
+    backend.write_report = [patient](const planner::Case& shown, const std::filesystem::path& file, const Job& job) {
+        std::vector<planner::PlannedField> fields = saved_fields(*patient, shown);
+        return write_report_page(file, *patient, fields, { .views = shown.views }, job);
     };
     return backend;
 }

@@ -7,6 +7,7 @@
 #include "planner/session/surgery_session.h"
 #include "ui/workstation/planning/session_model.h"
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -44,6 +45,12 @@ struct PlanningBackend {
     std::function<planner::Approach(const planner::Approach&, const std::vector<Vec3>&)> move_incision;
     /// See planner::neighbours_of().
     std::function<std::vector<planner::NeighbourApproach>(const planner::Approach&)> neighbours;
+    /// Writes a movie of the case and its saved plans, see write_movie(). @return false: cancelled
+    std::function<bool(
+        const planner::Case&, const std::filesystem::path& file, const std::filesystem::path& pictures, const Job&)>
+        write_movie {};
+    /// Writes the report page of the saved plans, see write_report_page(). @return false: cancelled
+    std::function<bool(const planner::Case&, const std::filesystem::path& file, const Job&)> write_report {};
     /// The labels of the case, to be corrected. Not set: there is no CT on which they could be.
     std::function<std::shared_ptr<const mesh::LabelVolume>()> labels {};
     /// The wall round the approach's incision, uncut, for the knife. The function throws when there is no wall.

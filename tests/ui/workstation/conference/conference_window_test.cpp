@@ -15,6 +15,7 @@
 
 #include <QApplication>
 #include <QDialog>
+#include <QLabel>
 #include <QLineEdit>
 #include <QMenuBar>
 #include <QPlainTextEdit>
@@ -29,6 +30,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -201,6 +203,73 @@ namespace conference_window_test {
         fill_next_dialog(window_, [](QDialog& dialog) { dialog.reject(); });
         press(Qt::Key_C, Qt::ShiftModifier);
         EXPECT_EQ(planner::read_decisions(planner::decisions_file(planned_case)).choices.size(), 1U);
+    }
+
+    /// The first lines of a file.
+    std::string text_of(const std::filesystem::path& file)
+    {
+        std::ifstream in(file);
+        return { std::istreambuf_iterator<char>(in), {} };
+    }
+
+    /// Names the file in the dialog that opens next.
+    void name_next_file(MainWindow& window, const std::filesystem::path& file)
+    {
+        fill_next_dialog(window, [file](QDialog& dialog) {
+            auto* name = dialog.findChild<QLineEdit*>("fileNameEdit");
+            ASSERT_NE(name, nullptr);
+            name->setText(QString::fromStdString(file.string()));
+            QTest::keyClick(name, Qt::Key_Return);
+        });
+    }
+
+    TEST_F(ConferenceTest, MovieAndReportAreSavedFromTheConference)
+    {
+        const test_support::TemporaryFolder folder;
+        open_synthetic();
+        press(Qt::Key_R, Qt::ControlModifier); // no dialog opens: there is no plan to report
+        plan("median");
+        press(Qt::Key_F5);
+        name_next_file(window_, folder.path / "film"); // the ending is added
+        press(Qt::Key_M, Qt::ControlModifier);
+        EXPECT_EQ(text_of(folder.path / "film.webm"), "median");
+        EXPECT_TRUE(window_.in_conference());
+        EXPECT_NE(window_.message_line().find("Saved"), std::string::npos);
+        auto* note = window_.conference_bar().findChild<QLabel*>("note");
+        ASSERT_NE(note, nullptr);
+        EXPECT_TRUE(note->isVisible());
+        EXPECT_TRUE(note->text().startsWith("Saved")) << note->text().toStdString();
+        name_next_file(window_, folder.path / "case.html");
+        for (QPushButton* button : window_.conference_bar().findChildren<QPushButton*>())
+            if (button->text() == "Report…")
+                QTest::mouseClick(button, Qt::LeftButton);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(text_of(folder.path / "case.html"), "report");
+        window_.save_movie(folder.path / "frames.webm", true);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(text_of(folder.path / "frames.webm"), "median with pictures");
+    }
+
+    TEST_F(ConferenceTest, SavingCanBeCancelledAndItsFailureIsSaid)
+    {
+        const test_support::TemporaryFolder folder;
+        open_synthetic();
+        plan("median");
+        control_->hold_files = true;
+        window_.save_movie(folder.path / "film.webm");
+        auto* cancel = window_.findChild<QPushButton*>("cancel");
+        ASSERT_NE(cancel, nullptr);
+        EXPECT_TRUE(cancel->isVisible());
+        EXPECT_FALSE(window_.idle());
+        QTest::mouseClick(cancel, Qt::LeftButton);
+        test_support::wait_until_idle(window_);
+        EXPECT_FALSE(std::filesystem::exists(folder.path / "film.webm"));
+        EXPECT_EQ(window_.message_line(), "Not saved: cancelled");
+        EXPECT_FALSE(cancel->isVisible());
+        control_->hold_files = false;
+        window_.save_movie(folder.path / "nowhere" / "film.webm");
+        test_support::wait_until_idle(window_);
+        EXPECT_NE(window_.error_line(), "");
     }
 
     TEST_F(ConferenceTest, ADoubleClickLetsOnePictureFillTheView)

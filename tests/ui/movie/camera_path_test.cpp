@@ -1,0 +1,62 @@
+#include "ui/movie/camera_path.h"
+
+#include "tests/support/test_help.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace retractor::ui {
+namespace camera_path_test {
+
+    constexpr double kTolerance = 1e-9; // rounding, of lengths of some 100 mm
+
+    Camera outside()
+    {
+        return { .eye = { 0, -800, 0 }, .aim = { 0, 0, 0 }, .up = Vec3::UnitZ(), .view_angle_deg = 30 };
+    }
+
+    TEST(CameraPath, BeginsAndEndsAtTheTwoCameras)
+    {
+        const Camera to { .eye = { 300, -100, 50 }, .aim = { 10, 20, 30 }, .up = Vec3::UnitZ(), .view_angle_deg = 12 };
+        for (const auto& [share, camera] : { std::pair { 0.0, outside() }, std::pair { 1.0, to } }) {
+            const Camera at = camera_between(outside(), to, share);
+            EXPECT_LT((at.eye - camera.eye).norm(), kTolerance);
+            EXPECT_LT((at.aim - camera.aim).norm(), kTolerance);
+            EXPECT_NEAR(at.view_angle_deg, camera.view_angle_deg, kTolerance);
+            const Vec3 sight = (camera.aim - camera.eye).normalized();
+            const Vec3 up = (camera.up - camera.up.dot(sight) * sight).normalized(); // what a picture shows of it
+            EXPECT_LT((at.up - up).norm(), kTolerance);
+        }
+    }
+
+    TEST(CameraPath, HalfWayOfAQuarterTurnTurnsByHalfOfIt)
+    {
+        Camera to = outside();
+        to.eye = { 200, 0, 0 }; // a quarter turn about z, four times as near
+        const Camera middle = camera_between(outside(), to, 0.5);
+        EXPECT_NEAR(middle.eye.norm(), 400.0, kTolerance); // the geometric mean of 800 and 200
+        EXPECT_NEAR(std::atan2(middle.eye.x(), -middle.eye.y()), 0.25 * std::numbers::pi, kTolerance);
+        EXPECT_LT((middle.up - Vec3::UnitZ()).norm(), kTolerance);
+    }
+
+    TEST(CameraPath, TurningKeepsTheDistanceAndTheAim)
+    {
+        const Camera turned = turned_round_aim(outside(), 90.0);
+        EXPECT_LT((turned.eye - Vec3(800, 0, 0)).norm(), kTolerance);
+        EXPECT_LT((turned.aim - outside().aim).norm(), kTolerance);
+    }
+
+    TEST(CameraPath, MotionsBeginAndEndAtRest)
+    {
+        constexpr double kStep = 1e-6;
+        EXPECT_NEAR(eased(0.0), 0.0, kTolerance);
+        EXPECT_NEAR(eased(1.0), 1.0, kTolerance);
+        EXPECT_NEAR(eased(0.5), 0.5, kTolerance);
+        EXPECT_LT(eased(kStep) / kStep, 1e-4);
+        EXPECT_LT((1.0 - eased(1.0 - kStep)) / kStep, 1e-4);
+    }
+
+} // namespace camera_path_test
+} // namespace retractor::ui

@@ -1,0 +1,51 @@
+#include "ui/movie/camera_path.h"
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <numbers>
+
+namespace retractor::ui {
+
+namespace {
+
+    constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+    /// Right, up and back of a camera as columns.
+    Eigen::Matrix3d axes_of(const Camera& camera)
+    {
+        Eigen::Matrix3d axes;
+        axes.col(2) = (camera.eye - camera.aim).normalized();
+        axes.col(0) = camera.up.cross(axes.col(2)).normalized();
+        axes.col(1) = axes.col(2).cross(axes.col(0));
+        return axes;
+    }
+
+} // namespace
+
+double eased(double share) { return share * share * (3.0 - 2.0 * share); }
+
+Camera camera_between(const Camera& from, const Camera& to, double share)
+{
+    const Eigen::Quaterniond first(axes_of(from)), last(axes_of(to));
+    const Eigen::Matrix3d axes = first.slerp(share, last).toRotationMatrix();
+    const double near = (from.eye - from.aim).norm(), far = (to.eye - to.aim).norm();
+    Camera camera = to;
+    camera.aim = (1.0 - share) * from.aim + share * to.aim;
+    camera.eye = camera.aim + std::pow(near, 1.0 - share) * std::pow(far, share) * axes.col(2);
+    camera.up = axes.col(1);
+    const double first_tan = std::tan(0.5 * from.view_angle_deg * kRadPerDeg),
+                 last_tan = std::tan(0.5 * to.view_angle_deg * kRadPerDeg);
+    camera.view_angle_deg = 2.0 * std::atan((1.0 - share) * first_tan + share * last_tan) / kRadPerDeg;
+    return camera;
+}
+
+Camera turned_round_aim(const Camera& camera, double deg)
+{
+    Camera turned = camera;
+    turned.eye
+        = camera.aim + Eigen::AngleAxisd(deg * kRadPerDeg, camera.up.normalized()) * Vec3(camera.eye - camera.aim);
+    return turned;
+}
+
+} // namespace retractor::ui

@@ -1,0 +1,317 @@
+#include "ui/movie/plan_movie.h"
+
+#include "mesh/base/assert.h"
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
+#include "planner/decision/decisions.h"
+#include "planner/decision/presentation.h"
+#include "planner/plan/wound_view.h"
+#include "ui/movie/camera_path.h"
+#include "ui/movie/video_file.h"
+#include "ui/plan_scene/plan_scene.h"
+#include "ui/scene/arrange_scenes.h"
+#include "ui/scene/vtk/identifier_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace retractor::ui {
+
+namespace {
+
+    constexpr double kTurnDeg = 12.0; ///< to each side, round the closed patient
+    constexpr double kOpeningS = 2.0, kFlightS = 2.0;
+    /// The wound opens in fewer poses than frames: each pose is a new surface.
+    constexpr int kFramesPerPose = 2;
+    /// Letters in a line of the words under the title, at a picture as wide as high.
+    constexpr double kLettersPerLine = 66.0;
+    constexpr double kGlow = 0.3; ///< opacity of the target that shines through the closed skin
+
+    /// The text in lines of at most so many letters, broken between words.
+    std::vector<std::string> in_lines(const std::string& text, std::size_t letters)
+    {
+        std::vector<std::string> lines;
+        std::string line;
+        for (std::size_t begin = 0; begin < text.size();) {
+            const std::size_t end = std::min(text.find(' ', begin), text.size());
+            const std::string word = text.substr(begin, end - begin);
+            if (!line.empty() && line.size() + 1 + word.size() > letters) {
+                lines.push_back(line);
+                line.clear();
+            }
+            line += (line.empty() ? "" : " ") + word;
+            begin = end + 1;
+        }
+        if (!line.empty())
+            lines.push_back(line);
+        return lines;
+    }
+
+    /// Vertices between two poses of a surface with the same triangles.
+    std::shared_ptr<const TriMesh> pose(const TriMesh& at_rest, const TriMesh& opened, double share)
+    {
+        RETRACTOR_ASSERT(at_rest.vertices.rows() == opened.vertices.rows());
+        auto between = std::make_shared<TriMesh>(opened);
+        between->vertices = (1.0 - share) * at_rest.vertices + share * opened.vertices;
+        return between;
+    }
+
+    const planner::PlannedField* field_of(
+        const std::vector<planner::PlannedField>& fields, const planner::Approach& approach)
+    {
+        for (const planner::PlannedField& field : fields)
+            if (field.approach.name == approach.name && planner::is_measured(field))
+                return &field;
+        return nullptr;
+    }
+
+    class Player {
+    public:
+        Player(planner::Patient& patient, const MovieSettings& settings, OffscreenRenderer& renderer,
+            const MovieSink& sink, const Job& job)
+            : patient_(patient)
+            , settings_(settings)
+            , renderer_(renderer)
+            , sink_(sink)
+            , job_(job)
+        {
+        }
+
+        void expect(int steps) { steps_ = steps; }
+
+        /// @return false: cancelled
+        bool play(const planner::PresentationStep& step, const planner::Approach* approach,
+            const planner::PlannedField* field, const std::vector<const planner::PlannedField*>& all)
+        {
+            switch (step.view) {
+            case planner::PresentedView::patient:
+                hold(step, { patient_scene(patient_) });
+                break;
+            case planner::PresentedView::incision:
+                turn(step, closed_scene(*approach));
+                break;
+            case planner::PresentedView::blade:
+                hold(step, incision_slice_scenes(patient_, *approach));
+                break;
+            case planner::PresentedView::opened:
+                open(step, *field);
+                break;
+            case planner::PresentedView::seen:
+                fly(step, *field);
+                break;
+            case planner::PresentedView::comparison: {
+                std::vector<Scene> scenes;
+                for (const planner::PlannedField* each : all)
+                    scenes.push_back(surgeon_scene(patient_, *each));
+                hold(step, std::move(scenes));
+                break;
+            }
+            }
+            ++done_;
+            return !job_.cancelled();
+        }
+
+    private:
+        int frames(double seconds) const
+        {
+            return std::max(1, static_cast<int>(std::lround(seconds * settings_.frames_per_second)));
+        }
+        void report(double share) const { job_.report("movie", (done_ + share) / std::max(1, steps_)); }
+
+        /// Of several scenes side by side each keeps its title, and the words stand on the first.
+        void show(const planner::PresentationStep& step, std::vector<Scene> scenes)
+        {
+            const bool alone = scenes.size() == 1;
+            const double width = alone ? settings_.width : 0.5 * settings_.width;
+            Scene& first = scenes.front();
+            if (alone)
+                first.title = step.title;
+            first.notes = in_lines(step.text, static_cast<std::size_t>(kLettersPerLine * width / settings_.height));
+            renderer_.show({ .width = settings_.width,
+                .height = settings_.height,
+                .viewports = arrange_scenes(scenes, settings_.width, settings_.height) });
+        }
+
+        void hold(const planner::PresentationStep& step, std::vector<Scene> scenes)
+        {
+            report(0.0);
+            const std::vector<Viewport> places = arrange_scenes(scenes, settings_.width, settings_.height);
+            std::vector<Camera> cameras;
+            for (const Viewport& place : places)
+                cameras.push_back(place.scene.camera);
+            show(step, std::move(scenes));
+            sink_(renderer_.draw(cameras), frames(settings_.hold_s));
+        }
+
+        /// The closed patient, opaque, because a translucent body takes ten times as long to draw.
+        Scene closed_scene(const planner::Approach& approach)
+        {
+            Scene scene = planning_scene(patient_, approach);
+            for (SurfaceItem& item : scene.surfaces) {
+                item.on_top = item.target;
+                item.opacity = item.target ? kGlow : 1.0;
+                item.target = false;
+            }
+            return scene;
+        }
+
+        void turn(const planner::PresentationStep& step, Scene scene)
+        {
+            const Camera middle = scene.camera;
+            show(step, { std::move(scene) });
+            const int count = frames(settings_.hold_s);
+            for (int n = 0; n < count && !job_.cancelled(); ++n) {
+                report(static_cast<double>(n) / count);
+                const double angle = 2.0 * std::numbers::pi * n / count; // back where it began
+                sink_(renderer_.draw({ turned_round_aim(middle, kTurnDeg * std::sin(angle)) }), 1);
+            }
+        }
+
+        /// The wound on its way open: 0 closed, 1 open.
+        Scene opening_scene(const planner::PlannedField& field, const Scene& opened, double share)
+        {
+            Scene scene = opened;
+            std::vector<planner::HookShape> hooks
+                = planner::placed_hooks(field, share * field.opening.displacement, field.geometry);
+            for (SurfaceItem& item : scene.surfaces) {
+                if (item.name == kWallName)
+                    item.mesh = pose(wall_at_rest_, *item.mesh, share);
+                else if (item.name == kBeyondName)
+                    item.mesh = pose(beyond_at_rest_, *item.mesh, share);
+                else
+                    for (const planner::HookShape& hook : hooks)
+                        if (item.name == hook.name)
+                            item.mesh = std::make_shared<const TriMesh>(planner::hook_mesh(hook));
+            }
+            return scene;
+        }
+
+        void open(const planner::PresentationStep& step, const planner::PlannedField& field)
+        {
+            report(0.0);
+            Scene opened = overview_scene(patient_, field);
+            opened.legend.clear();
+            wall_at_rest_ = drawn_wall(patient_, field, Points::Zero(field.wall.vertices.rows(), 3));
+            if (!field.remaining_wall.triangles.empty())
+                beyond_at_rest_ = remaining_wall_at_rest(patient_, field);
+            const Camera camera = opened.camera;
+            const int poses = std::max(1, frames(kOpeningS) / kFramesPerPose);
+            for (int n = 0; n <= poses && !job_.cancelled(); ++n) {
+                report(static_cast<double>(n) / (poses + 1));
+                show(step, { opening_scene(field, opened, eased(static_cast<double>(n) / poses)) });
+                sink_(renderer_.draw({ camera }), n == poses ? frames(settings_.hold_s) : kFramesPerPose);
+            }
+        }
+
+        void fly(const planner::PresentationStep& step, const planner::PlannedField& field)
+        {
+            Scene seen = surgeon_scene(patient_, field);
+            const Camera last = seen.camera, first = overview_scene(patient_, field).camera;
+            seen.legend.clear(); // the words say it
+            show(step, { seen });
+            const int count = frames(kFlightS);
+            for (int n = 0; n < count && !job_.cancelled(); ++n) {
+                report(static_cast<double>(n) / (count + 1));
+                sink_(renderer_.draw({ camera_between(first, last, eased(static_cast<double>(n) / count)) }), 1);
+            }
+            if (job_.cancelled())
+                return;
+            const IdentifierPicture structures = identifier_picture(
+                renderer_, seen, label_names(patient_.planned_case()), settings_.width, settings_.height);
+            add_names(seen, structures);
+            show(step, { std::move(seen) });
+            sink_(renderer_.draw({ last }), frames(settings_.hold_s));
+        }
+
+        planner::Patient& patient_;
+        const MovieSettings& settings_;
+        OffscreenRenderer& renderer_;
+        const MovieSink& sink_;
+        const Job& job_;
+        TriMesh wall_at_rest_, beyond_at_rest_; ///< of the field that opens
+        int done_ = 0, steps_ = 1;
+    };
+
+    /// Decisions that cannot be read are left out; the window and the report say why.
+    planner::Decisions decisions_of(const planner::Case& planned_case)
+    {
+        try {
+            return planner::read_decisions(planner::decisions_file(planned_case));
+        } catch (const Error&) {
+            return {};
+        }
+    }
+
+} // namespace
+
+void check_movie(const MovieSettings& settings)
+{
+    if (settings.width < 2 || settings.height < 2 || settings.width % 2 != 0 || settings.height % 2 != 0)
+        throw InputError(
+            formatted("a movie needs an even width and an even height, not %d x %d", settings.width, settings.height));
+    if (!std::isfinite(settings.hold_s) || settings.hold_s <= 0.0 || settings.frames_per_second < 1)
+        throw InputError("a movie needs a time for each step, and at least one frame per second");
+}
+
+bool play_plans(planner::Patient& patient, const MovieContent& content, const MovieSettings& settings,
+    OffscreenRenderer& renderer, const MovieSink& sink, const Job& job)
+{
+    check_movie(settings);
+    const planner::Case& planned_case = content.planned_case;
+    const std::vector<planner::PlannedField>& fields = content.fields;
+    std::vector<planner::PresentedApproach> known;
+    std::vector<const planner::PlannedField*> planned;
+    for (const planner::Approach& approach : planned_case.approaches) {
+        const planner::PlannedField* field = field_of(fields, approach);
+        known.push_back({ .field = field == nullptr ? nullptr : &field->metrics, .has_slices = patient.has_ct() });
+        if (field != nullptr)
+            planned.push_back(field);
+    }
+    const std::vector<planner::PresentationStep> steps
+        = planner::presentation_of(planned_case, known, decisions_of(planned_case));
+    Player player(patient, settings, renderer, sink, job);
+    player.expect(static_cast<int>(steps.size()));
+    for (const planner::PresentationStep& step : steps) {
+        const planner::Approach* approach = step.approach ? &planned_case.approaches.at(*step.approach) : nullptr;
+        if (!player.play(step, approach, approach == nullptr ? nullptr : field_of(fields, *approach), planned))
+            return false;
+    }
+    return true;
+}
+
+bool write_movie(const std::filesystem::path& path, const std::filesystem::path& pictures, planner::Patient& patient,
+    const MovieContent& content, const MovieSettings& settings, std::unique_ptr<OffscreenContext> context,
+    const Job& job)
+{
+    check_movie(settings);
+    struct Cancelled { }; // ends the writing of the file, which removes what was written
+    OffscreenRenderer renderer(std::move(context), job);
+    try {
+        write_file_atomically(path, [&](const std::filesystem::path& temporary) {
+            VideoFile video(temporary, settings.width, settings.height, settings.frames_per_second);
+            int number = 0;
+            const MovieSink sink = [&](const Image& picture, int frames) {
+                video.add(picture, frames);
+                if (pictures.empty())
+                    return;
+                const auto file_of = [&](int n) { return pictures / formatted("%05d.png", n); };
+                write_png(file_of(number + 1), picture);
+                for (int n = 2; n <= frames; ++n)
+                    std::filesystem::copy_file(
+                        file_of(number + 1), file_of(number + n), std::filesystem::copy_options::overwrite_existing);
+                number += frames;
+            };
+            if (!play_plans(patient, content, settings, renderer, sink, job))
+                throw Cancelled {};
+            video.finish();
+        });
+    } catch (const Cancelled&) {
+        return false;
+    }
+    return true;
+}
+
+} // namespace retractor::ui

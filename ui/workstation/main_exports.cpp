@@ -1,0 +1,140 @@
+// What the main window saves as files of its own: pictures, movies, the report, the cut wall and the log.
+
+#include "ui/workstation/conference/conference_bar.h"
+#include "ui/workstation/main_window.h"
+#include "ui/workstation/view/controls.h"
+#include "ui/workstation/view/picture_view.h"
+#include "ui/workstation/view/png_file.h"
+
+#include <QAction>
+#include <QFileDialog>
+#include <QSaveFile>
+#include <QStatusBar>
+
+#include <string>
+#include <utility>
+
+namespace retractor::ui {
+
+namespace {
+
+    QString with_ending(QString file, const QString& ending)
+    {
+        return file.isEmpty() || file.endsWith(ending, Qt::CaseInsensitive) ? file : file + ending;
+    }
+
+} // namespace
+
+void MainWindow::save_picture(const std::filesystem::path& path) { write_png_file(path, view_->picture()); }
+
+void MainWindow::save_screenshot(const std::filesystem::path& path)
+{
+    if (!start_page_shown())
+        view_->picture();
+    write_png_file(path, grab().toImage());
+}
+
+void MainWindow::ask_for_picture_file()
+{
+    QString file = QFileDialog::getSaveFileName(this, "Save picture", "picture.png", "Picture (*.png)");
+    if (file.isEmpty())
+        return;
+    if (!file.endsWith(".png", Qt::CaseInsensitive))
+        file += ".png";
+    log_.hide(file.toStdString());
+    try {
+        save_picture(file.toStdString());
+        show_message("Saved " + file);
+    } catch (...) {
+        show_error(with_controls(current_failure()));
+    }
+}
+
+void MainWindow::ask_for_export_file()
+{
+    QString file = QFileDialog::getSaveFileName(this, "Export the cut wall", "cut-wall.vtu", "Mesh (*.vtu)");
+    if (file.isEmpty())
+        return;
+    if (!file.endsWith(".vtu", Qt::CaseInsensitive))
+        file += ".vtu";
+    log_.hide(file.toStdString());
+    knife_->run(planner::surgery::ExportWall { file.toStdString() });
+}
+
+void MainWindow::ask_for_log_file()
+{
+    const QString file = QFileDialog::getSaveFileName(this, "Save the log", "retractor-log.txt", "Text (*.txt)");
+    if (file.isEmpty())
+        return;
+    log_.hide(file.toStdString());
+    QSaveFile out(file); // written beside, then renamed
+    const std::string text = log_text();
+    if (!out.open(QIODevice::WriteOnly) || out.write(text.c_str(), static_cast<qint64>(text.size())) < 0
+        || !out.commit())
+        return show_error({ "the log cannot be written: " + out.errorString().toStdString(), file.toStdString() });
+    show_message("Saved " + file);
+}
+
+/// Writes in the background. @param write returns false when it was cancelled
+void MainWindow::run_export(const QString& file, std::function<bool(const Job&)> write)
+{
+    ++exports_running_;
+    log_.hide(file.toStdString());
+    export_executor_.post([this, file, write = std::move(write)](const Job& job) {
+        std::function<void()> deliver;
+        try {
+            job.report("begin", 0.0);
+            const QString said = write(job) ? "Saved " + file : "Not saved: cancelled";
+            deliver = [this, said] { show_message(said); };
+        } catch (...) {
+            deliver = [this, failure = with_controls(current_failure())] { show_error(failure); };
+        }
+        post_back([this, deliver] {
+            --exports_running_;
+            show_all();
+            deliver();
+        });
+    });
+    show_all();
+}
+
+void MainWindow::ask_for_movie_file()
+{
+    if (!movie_->isEnabled())
+        return;
+    const QString alone = "Movie (*.webm)", with_pictures = "Movie, and every frame as a picture (*.webm)";
+    QString filter = alone;
+    const QString file = with_ending(QFileDialog::getSaveFileName(this, "Save a movie of the plans", "movie.webm",
+                                         alone + ";;" + with_pictures, &filter),
+        ".webm");
+    if (!file.isEmpty())
+        save_movie(file.toStdString(), filter == with_pictures);
+}
+
+void MainWindow::save_movie(const std::filesystem::path& file, bool with_pictures)
+{
+    run_export(QString::fromStdString(file.string()),
+        [write = backend_.write_movie, shown = model_->planned_case(), file, with_pictures](const Job& job) {
+            return write(
+                shown, file, with_pictures ? file.parent_path() / (file.stem().string() + "-frames") : "", job);
+        });
+}
+
+void MainWindow::ask_for_report_file()
+{
+    if (!report_->isEnabled())
+        return;
+    const QString file
+        = with_ending(QFileDialog::getSaveFileName(this, "Save the report", "report.html", "Report (*.html)"), ".html");
+    if (!file.isEmpty())
+        save_report(file.toStdString());
+}
+
+void MainWindow::save_report(const std::filesystem::path& file)
+{
+    run_export(QString::fromStdString(file.string()),
+        [write = backend_.write_report, shown = model_->planned_case(), file](
+            const Job& job) { return write(shown, file, job); });
+}
+
+} // namespace retractor::ui

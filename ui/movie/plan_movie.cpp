@@ -7,10 +7,10 @@
 #include "planner/decision/decisions.h"
 #include "planner/decision/presentation.h"
 #include "planner/plan/wound_view.h"
-#include "ui/movie/camera_path.h"
 #include "ui/movie/video_file.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/arrange_scenes.h"
+#include "ui/scene/camera_motion.h"
 #include "ui/scene/vtk/identifier_picture.h"
 
 #include <algorithm>

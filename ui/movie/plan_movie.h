@@ -18,7 +18,7 @@ namespace retractor::ui {
 
 struct MovieSettings {
     int width = 1280, height = 720; ///< pixels, both even
-    int frames_per_second = 25;
+    int frames_per_second = 20;
     double hold_s = 4.0; ///< time to read a step
 };
 

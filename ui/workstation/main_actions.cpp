@@ -38,7 +38,7 @@ void MainWindow::make_actions()
         [this] { ask_for_log_file(); });
     add_action(*help, "About Retractor", {}, "Show the version and the licence", [this] { show_about(); });
     // Keys that work without the menus, in a conference.
-    addActions({ surgeon_, overview_, slices_, incision_, compare_, opened_, cancel_, confer_, movie_, report_ });
+    addActions({ surgeon_, overview_, slices_, incision_, compare_, opened_, cancel_, confer_, movie_, report_, linked_, reset_view_ });
     make_tool_bar();
 }
 
@@ -107,6 +107,12 @@ void MainWindow::make_view_actions(QMenu& menu)
             show_picture();
         });
     opened_->setCheckable(true);
+    linked_ = add_action(menu, "Turn together", QKeySequence("Shift+T"),
+        "In the comparison, all pictures turn and zoom with the one under the mouse", [this] { show_linked(); });
+    linked_->setCheckable(true);
+    linked_->setChecked(true);
+    reset_view_ = add_action(menu, "Reset the view", Qt::Key_0, "Show the picture again from where it was seen first",
+        [this] { reset_view(); });
     measure_ = add_action(menu, "Measure", Qt::Key_R, "Measure distances and angles on slices or on the skin",
         [this] { set_measuring(measure_->isChecked()); });
     measure_->setCheckable(true);

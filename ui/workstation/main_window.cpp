@@ -1028,6 +1028,8 @@ void MainWindow::show_actions()
     confer_->setChecked(in_conference());
     grey_windows_->actions().at(static_cast<int>(model_ ? model_->grey_window() : 0))->setChecked(true);
     const bool compares = model_ && model_->shown_view() == ViewPreset::compare;
+    linked_->setEnabled(compares);
+    reset_view_->setEnabled(model_ && shown_.pictures != nullptr);
     opened_->setEnabled(any && state->field != nullptr && !editor_->drawing() && !compares);
     opened_->setChecked(opened_->isEnabled() && model_->show_opened());
     plan_->setEnabled(any && (state->status == FieldStatus::closed || state->status == FieldStatus::failed));
@@ -1073,12 +1075,24 @@ void MainWindow::show_picture()
         std::vector<Scene> scenes
             = by_hand != nullptr ? std::vector<Scene> { knife_scene(*by_hand, source) } : model_->shown_scenes();
         shown_ = std::move(source);
+        show_linked();
         view_->show_scenes(std::move(scenes));
     } catch (...) {
         show_error(with_controls(current_failure()));
     }
     if (const std::string errors = view_->drawing_errors(); !errors.empty())
         show_error({ errors, "drawing" });
+}
+
+void MainWindow::show_linked()
+{
+    view_->set_linked(linked_->isChecked() && model_ && model_->shown_view() == ViewPreset::compare);
+}
+
+void MainWindow::reset_view()
+{
+    shown_ = {};
+    show_picture();
 }
 
 void MainWindow::move_slices(const Vec3& point)

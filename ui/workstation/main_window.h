@@ -213,6 +213,8 @@ private:
     void post_back(int generation, std::function<void()> deliver);
 
     void show_all(); ///< list, numbers, actions, picture
+    void show_linked();
+    void reset_view();
     void show_picture(); ///< keeps a picture that is still valid, with its camera
     void move_slices(const Vec3& point);
     void set_measuring(bool on);
@@ -275,7 +277,7 @@ private:
             *questions_ = nullptr, *close_case_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *compare_ = nullptr,
-            *measure_ = nullptr, *correct_ = nullptr, *confer_ = nullptr;
+            *measure_ = nullptr, *correct_ = nullptr, *confer_ = nullptr, *linked_ = nullptr, *reset_view_ = nullptr;
     QActionGroup *label_looks_ = nullptr, *presenter_keys_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
             *palpate_ = nullptr, *movie_ = nullptr, *report_ = nullptr;

@@ -251,6 +251,29 @@ namespace main_window_test {
         EXPECT_GT(target_pixels(picture.copy(0, 0, picture.width() / 2, picture.height())), 500);
         EXPECT_GT(target_pixels(picture.copy(picture.width() / 2, 0, picture.width() / 2, picture.height())), 500);
         window_.save_screenshot(picture_folder() / "workstation_compare.png");
+        const auto drag_first = [&] {
+            const std::vector<Camera> before = window_.view().cameras();
+            const QPoint from(window_.view().width() / 5, window_.view().height() / 2), by(60, 20);
+            QTest::mousePress(&window_.view(), Qt::LeftButton, {}, from);
+            QMouseEvent move(QEvent::MouseMove, from + by, Qt::LeftButton, Qt::LeftButton, {});
+            QApplication::sendEvent(&window_.view(), &move);
+            QTest::mouseRelease(&window_.view(), Qt::LeftButton, {}, from + by);
+            test_support::wait_until_idle(window_);
+            EXPECT_TRUE(QTest::qWaitFor([&] { return !window_.view().coarse(); }, test_support::kPatienceMs));
+            std::vector<double> turned;
+            for (std::size_t i = 0; i < before.size(); ++i)
+                turned.push_back((window_.view().cameras()[i].eye - before[i].eye).norm() / before[i].eye.norm());
+            return turned;
+        };
+        const std::vector<double> together = drag_first();
+        EXPECT_GT(together[0], 0.01);
+        EXPECT_GT(together[1], 0.01) << "the pictures turn together";
+        press(Qt::Key_T, Qt::ShiftModifier);
+        const std::vector<double> one = drag_first();
+        EXPECT_GT(one[0], 0.01);
+        EXPECT_LT(one[1], 1e-9);
+        press(Qt::Key_0);
+        EXPECT_LT((window_.view().cameras()[0].eye - scenes[0].camera.eye).norm(), 1e-6) << "as it was seen first";
         click(0);
         EXPECT_EQ(window_.model()->shown_view(), ViewPreset::surgeon);
         EXPECT_EQ(window_.view().scenes().size(), 1U);

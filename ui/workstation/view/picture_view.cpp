@@ -3,6 +3,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/job.h"
 #include "ui/scene/arrange_scenes.h"
+#include "ui/scene/camera_motion.h"
 #include "ui/scene/linked_slices.h"
 #include "ui/scene/moving_scene.h"
 #include "ui/scene/vtk/live_surface.h"
@@ -179,9 +180,7 @@ void PictureView::build(bool keep_cameras)
     if (!ready_)
         return;
     makeCurrent();
-    std::vector<Camera> cameras;
-    for (const SceneView& view : drawn_->views)
-        cameras.push_back(view.camera());
+    const std::vector<Camera> before = cameras();
     drawn_->views.clear();
     const double ratio = devicePixelRatioF();
     const bool whole = draws_whole_scenes();
@@ -190,12 +189,13 @@ void PictureView::build(bool keep_cameras)
         drawn_->views.emplace_back(
             *drawn_->window, viewport, drawn_->volumes, whole ? DrawingQuality::full : DrawingQuality::fast);
         const std::size_t index = drawn_->views.size() - 1;
-        if (keep_cameras && index < cameras.size() && viewport.scene.slices.empty())
-            viewport.scene.camera = cameras[index];
+        if (keep_cameras && index < before.size() && viewport.scene.slices.empty())
+            viewport.scene.camera = before[index];
         if (!whole)
             sample_at_pixels(viewport.scene, (viewport.top - viewport.bottom) * height());
         drawn_->views.back().show(viewport.scene);
     }
+    drawn_cameras_ = cameras();
     add_live();
     drawn_->volumes.sweep();
     change();
@@ -215,9 +215,7 @@ bool PictureView::can_rest() const { return live_ == nullptr && full_error_.empt
 
 PictureRequest PictureView::request() const
 {
-    PictureRequest request { .scenes = scenes_, .number = number_ };
-    for (const SceneView& view : drawn_->views)
-        request.cameras.push_back(view.camera());
+    PictureRequest request { .scenes = scenes_, .cameras = cameras(), .number = number_ };
     request.width = static_cast<int>(std::lround(devicePixelRatioF() * width()));
     request.height = static_cast<int>(std::lround(devicePixelRatioF() * height()));
     return request;
@@ -282,6 +280,39 @@ void PictureView::draw_soon()
         draw_timer_.start();
 }
 
+void PictureView::set_linked(bool linked)
+{
+    linked_ = linked;
+    drawn_cameras_ = cameras();
+}
+
+std::vector<Camera> PictureView::cameras() const
+{
+    std::vector<Camera> cameras;
+    for (const SceneView& view : drawn_->views)
+        cameras.push_back(view.camera());
+    return cameras;
+}
+
+void PictureView::move_linked()
+{
+    if (!linked_)
+        return;
+    const auto same = [](const Camera& a, const Camera& b) {
+        return a.eye == b.eye && a.aim == b.aim && a.up == b.up && a.view_angle_deg == b.view_angle_deg
+            && a.half_height_mm == b.half_height_mm;
+    };
+    const std::vector<Camera> now = cameras();
+    if (now.size() == drawn_cameras_.size()) {
+        const auto moved = std::mismatch(now.begin(), now.end(), drawn_cameras_.begin(), same);
+        if (moved.first != now.end())
+            for (std::size_t i = 0; i < now.size(); ++i)
+                if (now[i].parallel == moved.first->parallel && &now[i] != &*moved.first)
+                    drawn_->views[i].set_camera(moved_alike(now[i], *moved.second, *moved.first));
+    }
+    drawn_cameras_ = cameras();
+}
+
 void PictureView::draw_now()
 {
     const Stopwatch watch;
@@ -289,6 +320,7 @@ void PictureView::draw_now()
         on_slice_point(*point);
     draw_timer_.stop(); // this picture shows all changes
     makeCurrent();
+    move_linked();
     add_live();
     drawn_->window->Render();
     update();

@@ -66,6 +66,11 @@ public:
     void show_scenes(std::vector<Scene> scenes);
     const std::vector<Scene>& scenes() const { return *scenes_; }
 
+    /// Whether all scenes in space move alike when the mouse moves one of them.
+    void set_linked(bool linked);
+    /// The present cameras of the scenes. @pre scenes are shown and drawn
+    std::vector<Camera> cameras() const;
+
     /// Shows another scene in place of one of those shown, from the same place.
     /// @throws InputError as check_scene() does; the view then keeps its scenes
     void replace_scene(std::size_t index, Scene scene);
@@ -153,6 +158,8 @@ private:
     bool step_slice(const QWheelEvent& event);
     bool point_on_slice(const QMouseEvent& event);
     void add_live();
+    /// Moves the other cameras as the one that has moved since the last picture.
+    void move_linked();
     void draw_now();
 
     VtkErrorTrap errors_;
@@ -173,6 +180,8 @@ private:
     double draw_ms_ = 0.0;
     int pictures_ = 0;
     bool coarse_ = false;
+    bool linked_ = false;
+    std::vector<Camera> drawn_cameras_; ///< of the last picture
     bool ready_ = false; ///< there is an OpenGL context
     bool painting_ = false; ///< Qt paints the widget
     int number_ = 0; ///< of the picture; a full picture with an older number is dropped

@@ -1,4 +1,4 @@
-#include "ui/movie/camera_path.h"
+#include "ui/scene/camera_motion.h"
 
 #include <Eigen/Geometry>
 
@@ -46,6 +46,20 @@ Camera turned_round_aim(const Camera& camera, double deg)
     turned.eye
         = camera.aim + Eigen::AngleAxisd(deg * kRadPerDeg, camera.up.normalized()) * Vec3(camera.eye - camera.aim);
     return turned;
+}
+
+Camera moved_alike(const Camera& camera, const Camera& before, const Camera& after)
+{
+    const Eigen::Matrix3d axes = axes_of(camera), before_axes = axes_of(before);
+    const Eigen::Matrix3d turned = axes * before_axes.transpose() * axes_of(after);
+    const double distance = (camera.eye - camera.aim).norm(), before_distance = (before.eye - before.aim).norm();
+    Camera moved = camera;
+    moved.aim += axes * before_axes.transpose() * (after.aim - before.aim) * distance / before_distance;
+    moved.eye = moved.aim + distance * (after.eye - after.aim).norm() / before_distance * turned.col(2);
+    moved.up = turned.col(1);
+    moved.view_angle_deg *= after.view_angle_deg / before.view_angle_deg;
+    moved.half_height_mm *= after.half_height_mm / before.half_height_mm;
+    return moved;
 }
 
 } // namespace retractor::ui

@@ -1,4 +1,4 @@
-#include "ui/movie/camera_path.h"
+#include "ui/scene/camera_motion.h"
 
 #include "tests/support/test_help.h"
 
@@ -8,7 +8,7 @@
 #include <numbers>
 
 namespace retractor::ui {
-namespace camera_path_test {
+namespace camera_motion_test {
 
     constexpr double kTolerance = 1e-9; // rounding, of lengths of some 100 mm
 
@@ -17,7 +17,7 @@ namespace camera_path_test {
         return { .eye = { 0, -800, 0 }, .aim = { 0, 0, 0 }, .up = Vec3::UnitZ(), .view_angle_deg = 30 };
     }
 
-    TEST(CameraPath, BeginsAndEndsAtTheTwoCameras)
+    TEST(CameraMotion, BeginsAndEndsAtTheTwoCameras)
     {
         const Camera to { .eye = { 300, -100, 50 }, .aim = { 10, 20, 30 }, .up = Vec3::UnitZ(), .view_angle_deg = 12 };
         for (const auto& [share, camera] : { std::pair { 0.0, outside() }, std::pair { 1.0, to } }) {
@@ -31,7 +31,7 @@ namespace camera_path_test {
         }
     }
 
-    TEST(CameraPath, HalfWayOfAQuarterTurnTurnsByHalfOfIt)
+    TEST(CameraMotion, HalfWayOfAQuarterTurnTurnsByHalfOfIt)
     {
         Camera to = outside();
         to.eye = { 200, 0, 0 }; // a quarter turn about z, four times as near
@@ -41,14 +41,31 @@ namespace camera_path_test {
         EXPECT_LT((middle.up - Vec3::UnitZ()).norm(), kTolerance);
     }
 
-    TEST(CameraPath, TurningKeepsTheDistanceAndTheAim)
+    TEST(CameraMotion, TurningKeepsTheDistanceAndTheAim)
     {
         const Camera turned = turned_round_aim(outside(), 90.0);
         EXPECT_LT((turned.eye - Vec3(800, 0, 0)).norm(), kTolerance);
         EXPECT_LT((turned.aim - outside().aim).norm(), kTolerance);
     }
 
-    TEST(CameraPath, MotionsBeginAndEndAtRest)
+    TEST(CameraMotion, AnotherCameraMovesAlikeInItsOwnPicture)
+    {
+        const Camera left { .eye = { 400, 0, 0 }, .aim = { 0, 0, 0 }, .up = Vec3::UnitZ(), .view_angle_deg = 20 };
+        Camera after = turned_round_aim(outside(), 30.0); // and twice as near
+        after.eye *= 0.5;
+        const Camera moved = moved_alike(left, outside(), after);
+        EXPECT_LT((moved.eye - 0.5 * turned_round_aim(left, 30.0).eye).norm(), kTolerance);
+        EXPECT_LT((moved.aim - left.aim).norm(), kTolerance);
+        EXPECT_NEAR(moved.view_angle_deg, left.view_angle_deg, kTolerance);
+        Camera shifted = outside(); // to the right of its picture by a tenth of its distance
+        shifted.eye.x() += 80.0;
+        shifted.aim.x() += 80.0;
+        EXPECT_LT((moved_alike(left, outside(), shifted).aim - Vec3(0, 40, 0)).norm(), kTolerance);
+        const Camera still = moved_alike(left, outside(), outside());
+        EXPECT_LT((still.eye - left.eye).norm() + (still.aim - left.aim).norm(), kTolerance);
+    }
+
+    TEST(CameraMotion, MotionsBeginAndEndAtRest)
     {
         constexpr double kStep = 1e-6;
         EXPECT_NEAR(eased(0.0), 0.0, kTolerance);
@@ -58,5 +75,5 @@ namespace camera_path_test {
         EXPECT_LT((1.0 - eased(1.0 - kStep)) / kStep, 1e-4);
     }
 
-} // namespace camera_path_test
+} // namespace camera_motion_test
 } // namespace retractor::ui

@@ -1,5 +1,5 @@
 #pragma once
-// Motions of a camera between two places, and round what it looks at. Units mm, degrees.
+// Motions of a camera: between two places, round what it looks at, and alike with another camera. Units mm, degrees.
 
 #include "ui/scene/scene.h"
 
@@ -12,6 +12,9 @@ Camera camera_between(const Camera& from, const Camera& to, double share);
 
 /// The camera turned about its aim, round its up vector.
 Camera turned_round_aim(const Camera& camera, double deg);
+
+/// The camera moved as another one moved: turned and shifted alike in its own picture, and as many times as near.
+Camera moved_alike(const Camera& camera, const Camera& before, const Camera& after);
 
 /// 0 at 0, 1 at 1, and at rest at both ends.
 double eased(double share);

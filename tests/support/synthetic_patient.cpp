@@ -100,6 +100,7 @@ namespace {
         volume.name = "CT";
         volume.image = ct();
         field.overview.volumes.push_back(volume);
+        field.maps[ui::FieldMapKind::strain].legend = { { "largest elongation", "" } };
         return field;
     }
 

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/base/triangle.h"
+#include "ui/scene/color_scale.h"
 
 #include <algorithm>
 #include <array>
@@ -18,25 +19,20 @@ namespace retractor::ui {
 
 namespace {
 
-    /// From low to high, dark to bright (after viridis, so that it reads without colours, too).
-    constexpr std::array<Color, 5> kScale { {
-        { 0.27, 0.00, 0.33 },
-        { 0.23, 0.32, 0.55 },
-        { 0.13, 0.57, 0.55 },
-        { 0.37, 0.79, 0.38 },
-        { 0.99, 0.91, 0.14 },
-    } };
+    constexpr std::size_t kClasses = 5;
     constexpr Color kNotTried { 0.62, 0.58, 0.55 };
     constexpr Color kNearRisk { 0.75, 0.25, 0.20 };
-    constexpr Label kNoScore = kScale.size(), kRefused = kScale.size() + 1;
+    constexpr Label kNoScore = kClasses, kRefused = kClasses + 1;
     constexpr double kReachMm = 12.0; ///< a place colours the skin round it
+
+    Color class_color(std::size_t n) { return scale_color(static_cast<double>(n) / (kClasses - 1)); }
 
     struct Range {
         double low = 0.0, high = 100.0;
         std::size_t bin(double points) const
         {
             const double share = std::clamp((points - low) / (high - low), 0.0, 0.999);
-            return static_cast<std::size_t>(share * kScale.size());
+            return static_cast<std::size_t>(share * kClasses);
         }
     };
 
@@ -96,10 +92,10 @@ namespace {
     {
         std::vector<LegendLine> lines { { "score by rays, before planning, of an incision whose middle is there",
             "" } };
-        const double step = (range.high - range.low) / static_cast<double>(kScale.size());
-        for (std::size_t n = kScale.size(); n-- > 0;) {
+        const double step = (range.high - range.low) / static_cast<double>(kClasses);
+        for (std::size_t n = kClasses; n-- > 0;) {
             const double from = range.low + step * static_cast<double>(n);
-            lines.push_back({ in_words(from) + " to " + in_words(from + step), " ", kScale.at(n) });
+            lines.push_back({ in_words(from) + " to " + in_words(from + step), " ", class_color(n) });
         }
         lines.push_back({ "too near a structure at risk", " ", kNearRisk });
         lines.push_back({ "not tried", " ", kNotTried });
@@ -119,8 +115,8 @@ Picture search_map(planner::Patient& patient, const planner::IncisionSearch& sea
         throw InputError("no incision was tried: there is nothing to draw");
     const Range range = range_of(search.tried);
     SurfaceItem skin { .name = "skin", .mesh = scored_skin(*patient.body(), search.tried, range) };
-    for (std::size_t n = 0; n < kScale.size(); ++n)
-        skin.look_of_label[static_cast<Label>(n)] = Look { .color = kScale.at(n) };
+    for (std::size_t n = 0; n < kClasses; ++n)
+        skin.look_of_label[static_cast<Label>(n)] = Look { .color = class_color(n) };
     skin.look_of_label[kNoScore] = Look { .color = kNotTried };
     skin.look_of_label[kRefused] = Look { .color = kNearRisk };
 

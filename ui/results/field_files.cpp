@@ -180,6 +180,21 @@ namespace {
             identifier_picture(renderer, scene, label_names(patient.planned_case()), picture.width, picture.height));
     }
 
+    std::optional<planner::ReportPicture> draw_map(const std::filesystem::path& folder, planner::Patient& patient,
+        const planner::PlannedField& field, FieldMapKind kind, OffscreenRenderer& renderer, const FieldViews& request)
+    {
+        const std::optional<SceneMap> map = field_map(patient, field, kind);
+        if (!map)
+            return std::nullopt;
+        const auto name = std::find_if(
+            kFieldMaps.begin(), kFieldMaps.end(), [&](const FieldMapName& one) { return one.kind == kind; });
+        const std::filesystem::path file = folder / (field.approach.name + "-map-" + name->name + ".png");
+        write_png(file, renderer.render(map_picture(patient, field, *map, request.width, request.height)));
+        return planner::ReportPicture {
+            .approach = field.approach.name, .caption = std::string(name->words) + ".", .file = file
+        };
+    }
+
 } // namespace
 
 std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& folder, planner::Patient& patient,
@@ -187,7 +202,7 @@ std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& f
 {
     OffscreenRenderer renderer(make_offscreen_context(), job);
     std::vector<planner::ReportPicture> pictures;
-    const double total = static_cast<double>(fields.size() * request.views.size());
+    const double total = static_cast<double>(fields.size() * (request.views.size() + request.maps.size()));
     for (planner::PlannedField& field : fields) {
         if (!planner::is_measured(field))
             continue;
@@ -204,6 +219,12 @@ std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& f
                 check_and_name(picture, field, renderer, patient, request);
             write_png(file, renderer.render(picture));
             pictures.push_back({ .approach = field.approach.name, .caption = caption_of(view), .file = file });
+        }
+        for (const FieldMapKind kind : request.maps) {
+            if (job.cancelled())
+                return pictures;
+            if (auto drawn = draw_map(folder, patient, field, kind, renderer, request))
+                pictures.push_back(*std::move(drawn));
         }
         field.metrics.seconds.emplace_back("render", watch.seconds());
     }

@@ -5,6 +5,7 @@
 #include "planner/measures/provenance.h"
 #include "planner/measures/report/report.h"
 #include "planner/plan/planned_field.h"
+#include "ui/plan_scene/field_map.h"
 
 #include <nlohmann/json.hpp>
 
@@ -20,6 +21,7 @@ struct FieldViews {
     std::vector<std::string> views; ///< "surgeon", "overview", "slices"
     int width = 1280, height = 960;
     bool names = true; ///< the surgeon's view names the structures in it
+    std::vector<FieldMapKind> maps {}; ///< drawn besides
 };
 
 /// Writes the meshes of every measured field: <name>.vtu (cut wall with displacement, strain and material labels),
@@ -27,7 +29,8 @@ struct FieldViews {
 void write_field_meshes(
     const std::filesystem::path& folder, planner::Patient& patient, const std::vector<planner::PlannedField>& fields);
 
-/// Renders the views of every measured field to <name>-<view>.png, slices only when the case has a CT. Counts the
+/// Renders the views of every measured field to <name>-<view>.png, slices only when the case has a CT, and the maps to
+/// <name>-map-<kind>.png where the field has their numbers. Counts the
 /// pixels of the target in the surgeon's view (FieldMetrics::best_eye_pixels). Adds the time to each field's seconds
 /// ("render").
 std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& folder, planner::Patient& patient,

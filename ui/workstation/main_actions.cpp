@@ -38,7 +38,8 @@ void MainWindow::make_actions()
         [this] { ask_for_log_file(); });
     add_action(*help, "About Retractor", {}, "Show the version and the licence", [this] { show_about(); });
     // Keys that work without the menus, in a conference.
-    addActions({ surgeon_, overview_, slices_, incision_, compare_, opened_, cancel_, confer_, movie_, report_, linked_, reset_view_ });
+    addActions({ surgeon_, overview_, slices_, incision_, compare_, opened_, cancel_, confer_, movie_, report_, linked_,
+        reset_view_ });
     make_tool_bar();
 }
 
@@ -101,6 +102,17 @@ void MainWindow::make_view_actions(QMenu& menu)
     add_look(LabelLook::outlined, "Labels outlined", QKeySequence("Shift+O"), "Slices with the outlines of the labels");
     add_look(LabelLook::hidden, "No labels", QKeySequence("Shift+N"), "Slices of the CT alone");
     menu.addSeparator();
+    QMenu* colours = menu.addMenu("Colours of the opened field");
+    maps_ = new QActionGroup(this);
+    const auto add_map = [&](const QString& text, const QKeySequence& key, std::optional<FieldMapKind> map) {
+        QAction* action = add_action(*colours, text, key, "Colours: " + text, [this, map] { set_map(map); });
+        action->setCheckable(true);
+        action->setData(map ? static_cast<int>(*map) : -1);
+        maps_->addAction(action);
+    };
+    add_map("Tissues", QKeySequence("Ctrl+0"), std::nullopt);
+    for (std::size_t i = 0; i < kFieldMaps.size(); ++i)
+        add_map(kFieldMaps.at(i).words, QKeySequence("Ctrl+" + QString::number(i + 1)), kFieldMaps.at(i).kind);
     opened_ = add_action(
         menu, "Opened", Qt::Key_O, "Switch between the opened field and the patient before the cut", [this] {
             model_->set_show_opened(opened_->isChecked());

@@ -1024,6 +1024,11 @@ void MainWindow::show_actions()
     grey_windows_->setEnabled(slices_->isEnabled());
     label_looks_->setEnabled(slices_->isEnabled());
     label_looks_->actions().at(model_ ? static_cast<int>(model_->label_look()) : 0)->setChecked(true);
+    for (QAction* action : maps_->actions()) {
+        const int map = action->data().toInt();
+        action->setEnabled(model_ && (map < 0 || model_->map_available(static_cast<FieldMapKind>(map))));
+        action->setChecked(map == (model_ && model_->map() ? static_cast<int>(*model_->map()) : -1));
+    }
     confer_->setEnabled(model_ != nullptr);
     confer_->setChecked(in_conference());
     grey_windows_->actions().at(static_cast<int>(model_ ? model_->grey_window() : 0))->setChecked(true);
@@ -1082,6 +1087,19 @@ void MainWindow::show_picture()
     }
     if (const std::string errors = view_->drawing_errors(); !errors.empty())
         show_error({ errors, "drawing" });
+}
+
+void MainWindow::set_map(std::optional<FieldMapKind> map)
+{
+    model_->set_map(map);
+    if (map) {
+        model_->set_show_opened(true);
+        if (!is_drawn_on(model_->shown_view()) && model_->shown_view() != ViewPreset::compare)
+            model_->set_view(ViewPreset::surgeon);
+        if (*map == FieldMapKind::eyes) // drawn from outside
+            model_->set_view(ViewPreset::overview);
+    }
+    show_all();
 }
 
 void MainWindow::show_linked()

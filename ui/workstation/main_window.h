@@ -164,6 +164,7 @@ private:
     void read_decisions();
     void enlarge(std::size_t scene);
     void set_label_look(LabelLook look);
+    void set_map(std::optional<FieldMapKind> map);
     void open_manual();
     bool labels_tab_open() const;
     /// Gives the mouse to the brush on the slices.
@@ -278,7 +279,7 @@ private:
     QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *compare_ = nullptr,
             *measure_ = nullptr, *correct_ = nullptr, *confer_ = nullptr, *linked_ = nullptr, *reset_view_ = nullptr;
-    QActionGroup *label_looks_ = nullptr, *presenter_keys_ = nullptr;
+    QActionGroup *label_looks_ = nullptr, *presenter_keys_ = nullptr, *maps_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
             *palpate_ = nullptr, *movie_ = nullptr, *report_ = nullptr;
     QLabel* message_ = nullptr;

@@ -4,6 +4,7 @@
 #include "fem/statics/boundary_conditions.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 #include "planner/measures/field_metrics.h"
+#include "planner/measures/sight/exposure.h"
 #include "planner/measures/sight/surgeon_eye.h"
 #include "planner/wall/field_geometry.h"
 
@@ -88,6 +89,9 @@ RETRACTOR_ARCHIVE(OpeningGeometry, area_mm2, overlap_area_mm2, width_mm, length_
 RETRACTOR_ARCHIVE(SightShare, name, share)
 RETRACTOR_ARCHIVE(SurgeonEye, status, eye, aim, seen_fraction, bound_area_mm2, picture_share, incidence_deg,
     two_eyes_fraction, two_instruments_fraction, finger_fraction, finger_lacks_mm, freedom_mm2, hidden_by)
+RETRACTOR_ARCHIVE(ViewCone, aim, axis, up, eye_distance_mm, half_angle_deg, eyes)
+RETRACTOR_ARCHIVE(EyeView, eye, visible_fraction)
+RETRACTOR_ARCHIVE(SurfaceSample, position, triangle)
 RETRACTOR_ARCHIVE(SightBlocker, name, share, bone)
 RETRACTOR_ARCHIVE(RiskDistance, name, distance_mm, at, from)
 RETRACTOR_ARCHIVE(HookForce, name, side, force_N, pushes, moved_mm, asked_mm, pull, yielded, bears_on)

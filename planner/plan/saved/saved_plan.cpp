@@ -30,7 +30,7 @@ namespace {
     namespace fs = std::filesystem;
 
     // A change of what is stored, or of how plans are made, needs another mark.
-    constexpr std::string_view kMark = "retractor plan 6\n";
+    constexpr std::string_view kMark = "retractor plan 7\n";
     constexpr std::string_view kEnding = ".plan";
 
     constexpr std::string_view kProgram = "retractor " RETRACTOR_VERSION;
@@ -73,7 +73,8 @@ namespace {
     template <class Archive, class Field> void archive_field(Archive& archive, Field& field)
     {
         archive(field.status, field.message, field.approach, field.contact_was_lost, field.wall, field.hooks,
-            field.opening.displacement, field.opening.strain, field.geometry, field.best_eye, field.remaining_wall,
+            field.opening.displacement, field.opening.strain, field.geometry, field.best_eye, field.exposure.cone,
+            field.exposure.eyes, field.exposure.sample_points, field.exposure.sample_seen, field.remaining_wall,
             field.metrics);
     }
 

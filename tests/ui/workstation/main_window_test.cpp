@@ -225,6 +225,25 @@ namespace main_window_test {
         EXPECT_TRUE(window_.idle());
     }
 
+    TEST_F(MainWindowTest, NumbersAreShownAsColours)
+    {
+        open_synthetic();
+        press(Qt::Key_1, Qt::ControlModifier); // nothing is planned: nothing happens
+        EXPECT_FALSE(window_.model()->map());
+        press(Qt::Key_P);
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, test_support::kPatienceMs));
+        press(Qt::Key_3);
+        press(Qt::Key_1, Qt::ControlModifier);
+        EXPECT_EQ(window_.model()->map(), FieldMapKind::strain);
+        ASSERT_EQ(window_.view().scenes().size(), 1U) << "from slices to the field";
+        EXPECT_EQ(window_.view().scenes().front().legend.front().key, "largest elongation");
+        press(Qt::Key_2, Qt::ControlModifier); // this field has no blades
+        EXPECT_EQ(window_.model()->map(), FieldMapKind::strain);
+        press(Qt::Key_0, Qt::ControlModifier);
+        EXPECT_FALSE(window_.model()->map());
+        EXPECT_TRUE(window_.view().scenes().front().legend.empty());
+    }
+
     TEST_F(MainWindowTest, PlannedApproachesAreCompared)
     {
         open_synthetic();

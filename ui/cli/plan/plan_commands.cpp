@@ -45,8 +45,12 @@ namespace {
 
     constexpr double kFarthestMm = 1e4; // from the lips: no patient reaches beyond
 
+    constexpr const char* kMapsHelp
+        = "Also draw numbers as colours, separated by commas: strain, pressure (of the blades), risk (distance to "
+          "structures at risk), sight (which part of the target is seen), eyes (from where)";
+
     struct PlanOptions {
-        std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
+        std::string case_file, approach, target, out, views, maps, size = "1280x960", backend, elasticity, element;
         bool without_names = false;
         std::string reference, contact;
         std::vector<std::string> pressures, stiffness;
@@ -224,6 +228,8 @@ namespace {
             .width = width,
             .height = height,
             .names = !options.without_names };
+        for (const std::string& map : split(options.maps, ','))
+            request.maps.push_back(field_map_from_string(map));
         for (const std::string& view : request.views)
             if (std::find(std::begin(planner::kViewNames), std::end(planner::kViewNames), view)
                 == std::end(planner::kViewNames))
@@ -437,8 +443,8 @@ namespace {
     /// Plays the plans as a movie.
     Outcome render_movie(const PlanOptions& options, const Job& job)
     {
-        if (!options.views.empty())
-            throw InputError("a movie shows its own views", "--views");
+        if (!options.views.empty() || !options.maps.empty())
+            throw InputError("a movie shows its own views", options.maps.empty() ? "--views" : "--maps");
         const auto [width, height] = parse_size(options.size);
         const MovieSettings settings { .width = width, .height = height };
         check_movie(settings);
@@ -647,7 +653,8 @@ void add_plan_command(Commands& commands)
     command->add_flag("--injury-options", options->injury_options,
         "Where a bone would break: also solve the largest opening without a fracture, and plan the approach once more "
         "with this bone divided. Takes about as long again");
-    command->add_flag("--render", options->render, "Also draw the views and write report.html");
+    CLI::Option* draws = command->add_flag("--render", options->render, "Also draw the views and write report.html");
+    command->add_option("--maps", options->maps, kMapsHelp)->needs(draws);
     command
         ->add_option("--reference", options->reference,
             "Solve the opened wound again with another program and report the difference: ccx (CalculiX, linear, with "
@@ -680,6 +687,7 @@ void add_render_command(Commands& commands)
     command->add_option("--out", options->out, "Folder for the PNG files, or the movie")->required();
     command->add_option(
         "--views", options->views, "surgeon, overview, slices, separated by commas (default: the case's)");
+    command->add_option("--maps", options->maps, kMapsHelp);
     command->add_option("--size", options->size, "Width x height in pixels")->capture_default_str();
     command->add_flag("--play", options->play,
         "Write movie.webm (VP9) instead of pictures: each approach before the cut, cut, pulled open, and seen through "

@@ -15,6 +15,7 @@
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_cut.h"
 #include "ui/movie/plan_movie.h"
+#include "ui/plan_scene/field_map.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/results/field_files.h"
 #include "ui/scene/vtk/offscreen.h"
@@ -39,6 +40,9 @@ namespace {
         pictures.warning = field.message;
         pictures.surgeon = surgeon_scene(patient, field);
         pictures.overview = overview_scene(patient, field);
+        for (const FieldMapName& map : kFieldMaps)
+            if (auto drawn = field_map(patient, field, map.kind))
+                pictures.maps[map.kind] = *std::move(drawn);
         // No legend: the numbers stand beside the picture.
         pictures.surgeon.legend.clear();
         pictures.overview.legend.clear();

@@ -404,15 +404,18 @@ ShownSource SessionModel::shown_source() const
             source.compared.push_back(this->state(index).field);
         source.pictures = source.compared.front();
         source.alone = alone_;
+        source.map = map_;
         return source;
     }
     ShownSource source { .pictures = nullptr, .opened = opened, .view = view_, .approach = std::nullopt };
     if (selected_)
         source.approach = shown_id();
-    if (opened)
+    if (opened) {
         source.pictures = state.field;
-    else
+        source.map = map_;
+    } else {
         source.pictures = state.closed;
+    }
     if (shows_slices(view_))
         source.slices = state.closed;
     source.alone = alone_;
@@ -427,7 +430,7 @@ std::vector<Scene> SessionModel::unmeasured_scenes() const
     if (shown_view() == ViewPreset::compare)
         return compared_scenes();
     const ApproachState& state = shown_state();
-    const Scene& overview = source.opened ? state.field->overview : state.closed->patient;
+    const Scene overview = source.opened ? mapped(*state.field, state.field->overview) : state.closed->patient;
     std::vector<Scene> scenes;
     if (view_ == ViewPreset::slices && state.closed != nullptr && !state.closed->slices.empty()) {
         scenes = corrected_ != nullptr
@@ -450,10 +453,24 @@ std::vector<Scene> SessionModel::unmeasured_scenes() const
         scenes.push_back(overview);
     if (!surgeon)
         return scenes;
-    scenes.push_back(source.opened ? state.field->surgeon : overview);
+    scenes.push_back(source.opened ? mapped(*state.field, state.field->surgeon) : overview);
     if (!source.opened)
         scenes.back().camera = surgeon_camera(approach(*selected_), overview.camera.up);
     return scenes;
+}
+
+bool SessionModel::map_available(FieldMapKind map) const
+{
+    const ApproachState& state = shown_state();
+    return state.field != nullptr && state.field->maps.contains(map);
+}
+
+Scene SessionModel::mapped(const FieldPictures& field, const Scene& scene) const
+{
+    const auto map = map_ ? field.maps.find(*map_) : field.maps.end();
+    if (map == field.maps.end() || (map->second.from_side_deg != 0.0 && &scene != &field.overview))
+        return scene;
+    return with_map(scene, map->second);
 }
 
 std::vector<Scene> SessionModel::compared_scenes() const
@@ -461,7 +478,8 @@ std::vector<Scene> SessionModel::compared_scenes() const
     std::vector<Scene> scenes;
     for (const std::size_t index : planned()) {
         const std::string letter = planner::compared_letter(scenes.size());
-        scenes.push_back(state(index).field->surgeon);
+        const FieldPictures& field = *state(index).field;
+        scenes.push_back(mapped(field, field.surgeon));
         scenes.back().title = letter + "  " + planner::spoken_name(approach(index));
     }
     return scenes;

@@ -7,6 +7,7 @@
 #include "planner/case/case.h"
 #include "planner/decision/decisions.h"
 #include "planner/measures/field_metrics.h"
+#include "ui/plan_scene/field_map.h"
 #include "ui/scene/measurement.h"
 #include "ui/scene/scene.h"
 
@@ -49,6 +50,7 @@ struct FieldPictures {
     planner::FieldMetrics metrics;
     std::vector<std::string> divided_bones {}; ///< see planner::divided_bones()
     Scene surgeon {}, overview {};
+    std::map<FieldMapKind, SceneMap> maps {}; ///< numbers of the field as colours
     std::string warning; ///< limits of the result, e.g. "not converged"; empty: none
 };
 
@@ -96,6 +98,7 @@ struct ShownSource {
     std::shared_ptr<const void> slices {}; ///< the ClosedPictures, in the view of slices
     std::vector<std::shared_ptr<const void>> compared {}; ///< the FieldPictures, in a comparison
     std::optional<std::size_t> alone {}; ///< the picture of several that fills the view
+    std::optional<FieldMapKind> map {}; ///< drawn on the opened field
     bool operator==(const ShownSource&) const = default;
 };
 
@@ -171,6 +174,13 @@ public:
     bool show_opened() const { return show_opened_; }
     void set_show_opened(bool opened) { show_opened_ = opened; }
 
+    /// Numbers drawn as colours on opened fields; nothing: tissues in their colours. A field without these numbers is
+    /// drawn in the colours of its tissues.
+    void set_map(std::optional<FieldMapKind> map) { map_ = map; }
+    std::optional<FieldMapKind> map() const { return map_; }
+    /// Whether the shown approach has such numbers.
+    bool map_available(FieldMapKind map) const;
+
     /// Does nothing when the approach is planned or waiting.
     void request_plan(std::size_t index);
     /// What the team decided on this case.
@@ -238,6 +248,8 @@ public:
 
 private:
     std::vector<Scene> unmeasured_scenes() const;
+    /// A scene of a field in the colours of the map, where one is chosen.
+    Scene mapped(const FieldPictures& field, const Scene& scene) const;
     std::vector<Scene> compared_scenes() const;
     static constexpr std::size_t kPatientAlone = 0; ///< id
 
@@ -265,6 +277,7 @@ private:
     ViewPreset view_ = ViewPreset::surgeon;
     bool show_opened_ = true;
     std::size_t grey_window_ = 0;
+    std::optional<FieldMapKind> map_;
     std::shared_ptr<const mesh::LabelVolume> corrected_;
     LabelLook label_look_ = LabelLook::filled;
     planner::Decisions decisions_;

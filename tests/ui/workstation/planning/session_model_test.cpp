@@ -620,5 +620,32 @@ namespace session_model_test {
         EXPECT_NE(row_of(rows, "Hook yields").meaning.find("yields"), std::string::npos);
     }
 
+    TEST(SessionModel, MapsColourOpenedFieldsAndNothingElse)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(0);
+        ASSERT_TRUE(model.begin_plan());
+        FieldPictures field = field_of("median");
+        field.maps[FieldMapKind::strain].legend = { { "strain", "" } };
+        field.maps[FieldMapKind::eyes] = { .legend = { { "eyes", "" } }, .from_side_deg = 50.0 };
+        model.plan_done(field);
+        model.set_view(ViewPreset::surgeon);
+        EXPECT_TRUE(model.map_available(FieldMapKind::strain));
+        EXPECT_FALSE(model.map_available(FieldMapKind::pressure));
+        const ShownSource plain = model.shown_source();
+        EXPECT_TRUE(model.shown_scenes().front().legend.empty());
+        model.set_map(FieldMapKind::strain);
+        EXPECT_NE(model.shown_source(), plain) << "it is drawn anew";
+        EXPECT_EQ(model.shown_scenes().front().legend.front().key, "strain");
+        model.set_map(FieldMapKind::pressure); // the field has none
+        EXPECT_TRUE(model.shown_scenes().front().legend.empty());
+        model.set_map(FieldMapKind::eyes); // from outside only
+        EXPECT_TRUE(model.shown_scenes().front().legend.empty());
+        model.set_view(ViewPreset::overview);
+        EXPECT_EQ(model.shown_scenes().front().legend.front().key, "eyes");
+        model.select(1); // not planned
+        EXPECT_FALSE(model.map_available(FieldMapKind::strain));
+    }
+
 } // namespace session_model_test
 } // namespace retractor::ui

@@ -352,6 +352,12 @@ struct ShiftedSight {
     double seen_best_eye = 0.0;
 };
 
+/// FieldMetrics::seen_best_eye past lungs that keep another share of their volume (anatomy/deflated_lung.h).
+struct LungSight {
+    double lung_share = 0.0;
+    double seen_best_eye = 0.0;
+};
+
 struct FieldMetrics {
     std::string name; ///< name of the approach
     std::string target; ///< target_name() of the target
@@ -386,6 +392,7 @@ struct FieldMetrics {
     /// What the best eye would see if heart, diaphragm and all other organs stood higher: the CT is taken in
     /// inspiration. Smallest shift first.
     std::vector<ShiftedSight> if_organs_shift;
+    std::vector<LungSight> if_lung_keeps {}; ///< empty where no lung is held aside
     /// Labels among target, what hides it and what is at risk that were estimated, not seen in the image.
     std::vector<std::string> estimated;
     /// From hooks and blades of a retractor where they stand, each structure once, nearest first.

@@ -595,6 +595,11 @@ namespace {
         for (const ShiftedSight& shifted : field.if_organs_shift)
             json["if_organs_shift"].push_back(
                 { { "shift_mm", shifted.shift_mm }, { "seen_best_eye", shifted.seen_best_eye } });
+        if (!field.if_lung_keeps.empty())
+            json["if_lung_keeps"] = Json::array();
+        for (const LungSight& lung : field.if_lung_keeps)
+            json["if_lung_keeps"].push_back(
+                { { "volume_share", lung.lung_share }, { "seen_best_eye", lung.seen_best_eye } });
         json["estimated"] = field.estimated;
         json["cone"] = { { "eye_distance_mm", field.eye_distance_mm }, { "half_angle_deg", field.cone_half_angle_deg },
             { "eyes", field.eyes }, { "target_samples", field.target_samples } };
@@ -729,6 +734,12 @@ std::string shifted_sight_text(const FieldMetrics& field)
         text += (text.empty() ? "with the organs " : ", ") + formatted("%.0f mm", shifted.shift_mm)
             + (text.empty() ? " nearer to the head the best eye sees " : " ")
             + formatted("%.1f %%", 100.0 * shifted.seen_best_eye);
+    for (const LungSight& lung : field.if_lung_keeps)
+        text += (text.empty()                                   ? ""
+                        : &lung == &field.if_lung_keeps.front() ? "; "
+                                                                : ", ")
+            + formatted(
+                "past a lung of %.0f %% of its volume %.1f %%", 100.0 * lung.lung_share, 100.0 * lung.seen_best_eye);
     return text;
 }
 

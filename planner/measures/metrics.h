@@ -69,7 +69,8 @@ std::string risk_text(const RiskDistance& risk);
 /// "estimated, not seen in the image: aorta"; empty without any.
 std::string estimated_text(const FieldMetrics& field);
 
-/// "with the organs 10 mm nearer to the head the best eye sees 12 %, 20 mm 9 %"; empty where it was not measured.
+/// "with the organs 10 mm nearer to the head the best eye sees 12 %, 20 mm 9 %; past a lung of 20 % of its volume 14 %,
+/// ..."; empty where it was not measured.
 std::string shifted_sight_text(const FieldMetrics& field);
 /// "from the blade to structures at risk: heart 8.1 mm, aorta 12.3 mm".
 std::string risks_text(const FieldMetrics& field);

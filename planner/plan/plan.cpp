@@ -486,7 +486,24 @@ namespace {
                 return {};
             sights.push_back({ .shift_mm = shift_mm,
                 .seen_best_eye = seen_from_best_eye(field, field.opening.displacement, patient,
-                    as_stage(job, "expose, organs higher"), shift_mm * patient.frame().superior) });
+                    as_stage(job, "expose, organs higher"), { .by = shift_mm * patient.frame().superior }) });
+        }
+        return sights;
+    }
+
+    /// What the best eye would see past lungs that keep another share of their volume; nothing where no lung is held
+    /// aside.
+    std::vector<LungSight> sight_past_other_lungs(const PlannedField& field, Patient& patient, const Job& job)
+    {
+        std::vector<LungSight> sights;
+        if (deflated_lungs(field.approach, patient).empty())
+            return sights;
+        for (const double share : kOtherLungShares) {
+            if (job.cancelled())
+                return {};
+            sights.push_back({ .lung_share = share,
+                .seen_best_eye = seen_from_best_eye(field, field.opening.displacement, patient,
+                    as_stage(job, "expose, other lungs"), { .lung_share = share }) });
         }
         return sights;
     }
@@ -520,6 +537,7 @@ namespace {
         if (checks.error_bars) {
             const StageTimer timer(field.metrics, "organs higher");
             field.metrics.if_organs_shift = sight_if_organs_shift(field, patient, job);
+            field.metrics.if_lung_keeps = sight_past_other_lungs(field, patient, job);
             if (!goes_on())
                 return false;
         }

@@ -34,7 +34,7 @@ namespace {
     }
 
     std::vector<Occluder> occluders(const PlannedField& field, const Points& displacement,
-        const OpeningGeometry& opening, Patient& patient, const Vec3& organs_by)
+        const OpeningGeometry& opening, Patient& patient, const OrganPlaces& places)
     {
         const Case& planned_case = patient.planned_case();
         const mesh::LabelTable& table = planned_case.label_table;
@@ -61,7 +61,7 @@ namespace {
         for (const HookShape& hook : placed_hooks(field, displacement, opening))
             all.push_back(
                 { .name = hook.name, .surface = hook_mesh(hook), .labels = {}, .material = "steel", .wall = true });
-        for (Occluder& organ : organ_occluders(field.approach, patient, organs_by))
+        for (Occluder& organ : organ_occluders(field.approach, patient, places))
             all.push_back(std::move(organ));
         return all;
     }
@@ -77,11 +77,11 @@ namespace {
         EyePlaces places;
 
         Outlook(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job,
-            const Vec3& organs_by = Vec3::Zero())
+            const OrganPlaces& organs = {})
             : geometry(opening_geometry(wound_edges(field.wall, field.lips, mesh::SweptBlade(blade_of(field.approach))),
                 field.wall, displacement))
-            , scene(moved(*patient.target(field.approach.target), organs_by),
-                  occluders(field, displacement, geometry, patient, organs_by), job)
+            , scene(moved(*patient.target(field.approach.target), organs.by),
+                  occluders(field, displacement, geometry, patient, organs), job)
             , samples(surface_samples(scene.target(), kTargetSamples))
         {
             places = eye_places_through(geometry, aim_through(scene, geometry, samples), field.approach.view);
@@ -98,21 +98,27 @@ bool blocks_view(const mesh::LabelInfo& label, const Approach& approach, Patient
         && stays_in_place(label, approach, patient);
 }
 
-std::vector<Occluder> organ_occluders(const Approach& approach, Patient& patient, const Vec3& by)
+std::vector<Occluder> organ_occluders(const Approach& approach, Patient& patient, const OrganPlaces& places)
 {
     std::vector<Occluder> organs;
     organs.push_back({ .name = "end of the image",
-        .surface = moved(*patient.image_end(), by),
+        .surface = moved(*patient.image_end(), places.by),
         .labels = {},
         .material = {},
         .wall = false });
     for (const mesh::LabelInfo& info : patient.planned_case().label_table)
         if (blocks_view(info, approach, patient))
             organs.push_back({ .name = info.name,
-                .surface = moved(*patient.organ(info.name), by),
+                .surface = moved(*patient.organ(info.name), places.by),
                 .labels = {},
                 .material = info.material,
                 .wall = false });
+    for (DeflatedLung& lung : deflated_lungs(approach, patient, places.lung_share))
+        organs.push_back({ .name = std::move(lung.name),
+            .surface = moved(std::move(lung.surface), places.by),
+            .labels = {},
+            .material = std::move(lung.material),
+            .wall = true });
     return organs;
 }
 
@@ -183,9 +189,9 @@ WoundView look_through(const PlannedField& field, const Points& displacement, Pa
 }
 
 double seen_from_best_eye(
-    const PlannedField& field, const Points& displacement, Patient& patient, const Job& job, const Vec3& organs_by)
+    const PlannedField& field, const Points& displacement, Patient& patient, const Job& job, const OrganPlaces& places)
 {
-    const Outlook outlook(field, displacement, patient, job, organs_by);
+    const Outlook outlook(field, displacement, patient, job, places);
     return best_eye(outlook.scene, outlook.places, outlook.samples, job).seen_fraction;
 }
 

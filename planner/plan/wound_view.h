@@ -3,6 +3,7 @@
 
 #include "mesh/base/geometry.h"
 #include "mesh/base/job.h"
+#include "planner/anatomy/deflated_lung.h"
 #include "planner/approach/hook_mesh.h"
 #include "planner/case/patient.h"
 #include "planner/measures/sight/exposure.h"
@@ -30,9 +31,15 @@ struct WoundView {
 /// hide the site.
 bool blocks_view(const mesh::LabelInfo& label, const Approach& approach, Patient& patient);
 
-/// The organs that stay in place and block the view, and the faces where the image ends.
-/// @param by their motion, mm
-std::vector<Occluder> organ_occluders(const Approach& approach, Patient& patient, const Vec3& by = Vec3::Zero());
+/// Where the organs are.
+struct OrganPlaces {
+    Vec3 by = Vec3::Zero(); ///< motion of the target, of all organs and of the faces where the image ends, mm
+    double lung_share = kDeflatedLungShare; ///< of their volume that lungs held aside keep
+};
+
+/// The organs that stay in place and block the view, lungs that are held aside, deflated, and the faces where the image
+/// ends.
+std::vector<Occluder> organ_occluders(const Approach& approach, Patient& patient, const OrganPlaces& places = {});
 
 /// The places that the eyes of a view can take: the cone through the opening, from which a surgeon leans in and back.
 /// @throws InputError as cone_through_opening() does
@@ -50,8 +57,7 @@ WoundView look_through(const PlannedField& field, const Points& displacement, Pa
 
 /// SurgeonEye::seen_fraction alone, through the wound under another solution that the field is compared with. The
 /// samples on the target are the same for all solutions, so that two views differ by the wound and not by the samples.
-/// @param organs_by motion of the target, of all organs and of the faces where the image ends, mm
 double seen_from_best_eye(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job,
-    const Vec3& organs_by = Vec3::Zero());
+    const OrganPlaces& places = {});
 
 } // namespace retractor::planner

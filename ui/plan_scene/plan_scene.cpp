@@ -112,6 +112,10 @@ namespace {
                 organ.opacity = kOperatedOpacity;
             scene.surfaces.push_back(std::move(organ));
         }
+        for (planner::DeflatedLung& lung : planner::deflated_lungs(field.approach, patient))
+            scene.surfaces.push_back({ .name = readable(lung.name),
+                .mesh = std::make_shared<const TriMesh>(std::move(lung.surface)),
+                .look = organ_look(lung.label, lung.material) });
     }
 
     void add_hooks(Scene& scene, const planner::PlannedField& field)

@@ -79,7 +79,9 @@ namespace {
                         "gap at the border of the region is not a wound."
                       : "The border of the meshed region is held, so the hook forces are upper estimates.",
             contact_limit(planned_case.contact)
-                + "; organs do not move. Organs that an approach holds aside are removed from the view. "
+                + "; organs do not move. Lungs that an approach holds aside are deflated to 30 % of their volume at "
+                  "their "
+                  "hilum, an assumption; other organs held aside are removed from the view. "
                   "Tissue without a label is not drawn and hides nothing.",
             "Fractures are foretold for ribs only, from the mean moments at which 52 tested pieces of ribs broke; "
             "single ribs differ from the mean. Age, thin bone and earlier fractures are not considered. The sternum, "

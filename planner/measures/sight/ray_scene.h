@@ -25,9 +25,10 @@ struct Occluder {
     TriMesh surface;
     mesh::LabelTable labels; ///< names and materials of the surface's triangle labels; may be empty
     std::string material; ///< material of triangles whose label is not in `labels`; may be empty
-    /// True for the wall that is opened and the blades in it, which the upper bound removes. False for organs that stay
-    /// in the way. Bone inside the wall (tissue_surface() of the ribs) is a wall occluder of its own. The wall round
-    /// the bone blocks the same rays, so the bone only gives the rib in the line of sight its name.
+    /// True for what the approach moves, which the upper bound removes: the wall that is opened, the blades in it, and
+    /// lungs that are held aside. False for organs that stay in the way. Bone inside the wall (tissue_surface() of the
+    /// ribs) is a wall occluder of its own. The wall round the bone blocks the same rays, so the bone only gives the rib
+    /// in the line of sight its name.
     bool wall = true;
 };
 

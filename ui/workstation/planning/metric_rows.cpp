@@ -84,6 +84,11 @@ namespace {
             section.rows.push_back(
                 { "Seen with organs " + number(shifted.shift_mm, 0, "mm higher"), percent(shifted.seen_best_eye),
                     "Seen by the best eye with the organs nearer to the head, as in expiration." });
+        for (const planner::LungSight& lung : field.if_lung_keeps)
+            section.rows.push_back({ "Seen past a lung of " + number(100.0 * lung.lung_share, 0, "% of its volume"),
+                percent(lung.seen_best_eye),
+                "Seen by the best eye when the lung that is held aside keeps another share of its volume than "
+                "the assumed 30 %." });
         section.rows.push_back(
             { "Bone in sight", joined(planner::bones_in_sight(field)), "Bones that block the view of the target." });
         section.rows.push_back(

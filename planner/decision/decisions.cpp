@@ -42,6 +42,20 @@ void check_choice(const Choice& choice, const std::string& where)
         throw InputError("a choice gives a reason", where + "/why");
 }
 
+void check_view(const KeptView& view, const std::string& where)
+{
+    if (view.name.empty())
+        throw InputError("a kept view needs a name", where + "/name");
+    const Vec3 sight = view.aim - view.eye;
+    if (!view.eye.allFinite() || !view.aim.allFinite() || !(sight.norm() > 0.0))
+        throw InputError("a view needs two different finite places, eye and aim", where + "/eye_mm");
+    constexpr double kAlong = 1e-6; // sine of the angle between sight and up
+    if (!view.up.allFinite() || !(sight.cross(view.up).norm() > kAlong * sight.norm() * view.up.norm()))
+        throw InputError("up must be a direction across the line of sight", where + "/up");
+    if (!(view.view_angle_deg > 0.0 && view.view_angle_deg < 180.0))
+        throw InputError("the angle of a view lies between 0 and 180 degrees", where + "/view_angle_deg");
+}
+
 void check_answers(const Answers& answers, const std::string& where)
 {
     if (is_blank(answers.by))

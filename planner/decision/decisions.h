@@ -1,7 +1,8 @@
 #pragma once
-// What a team decided on a case: the approach that it chose, by whom, why and when, and how surgeons answered six
-// questions about the planned field. They are kept in a file of their own beside the case file, because they change
-// nothing that is planned. Names of persons are free text. A report shows the choice, and no answers.
+// What a team decided on a case: the approach that it chose, by whom, why and when, how surgeons answered six questions
+// about the planned field, and the views that it keeps. They are kept in a file of their own beside the case file,
+// because they change nothing that is planned. Names of persons are free text. A report shows the choice, and no
+// answers.
 //
 // The questions are those of a field trial with four surgeons (Nakao et al. 2006, J Med Syst 30:371, doi
 // 10.1007/s10916-006-9021-4): 1 to 5 points for 3D shape, location and quality of the simulated field, planning effect,
@@ -51,9 +52,19 @@ struct Answers {
     std::string note {};
 };
 
+/// A view of an approach that the team keeps, to come back to it. Units mm, patient LPS.
+struct KeptView {
+    std::string name; ///< for people
+    std::string approach; ///< its name in the case
+    bool opened = true; ///< of the opened field, or of the patient before the cut
+    Vec3 eye = Vec3::Zero(), aim = Vec3::Zero(), up = Vec3::UnitZ();
+    double view_angle_deg = 30.0; ///< over the picture's height
+};
+
 struct Decisions {
     std::vector<Choice> choices; ///< the oldest first; the last one holds
     std::vector<Answers> answers; ///< the oldest first
+    std::vector<KeptView> views {}; ///< in the order in which they were kept
 };
 
 /// The name of the folder of a case, without words of the identity that the case keeps.
@@ -67,13 +78,15 @@ std::filesystem::path decisions_file(const Case& planned_case);
 /// missing keys, wrong types and points out of range
 Decisions read_decisions(const std::filesystem::path& file);
 
-/// Writes the file in one step. @throws IoError; InputError as check_choice() and check_answers()
+/// Writes the file in one step. @throws IoError; InputError as check_choice(), check_answers() and check_view()
 void write_decisions(const std::filesystem::path& file, const Decisions& decisions);
 
 /// @param where put before the failing key in InputError::where()
 /// @throws InputError when nobody or no reason is named, or on points out of range
 void check_choice(const Choice& choice, const std::string& where);
 void check_answers(const Answers& answers, const std::string& where);
+/// @throws InputError on no name, numbers that are not finite, or a camera from which nothing can be drawn
+void check_view(const KeptView& view, const std::string& where);
 
 /// "Chosen: left 4th space, by A. Suzuki on 2026-11-27: the shortest way." @param name of the approach, for people
 std::string choice_sentence(const Choice& choice, const std::string& name);

@@ -89,6 +89,45 @@ namespace {
         return answers;
     }
 
+    Vec3 vector_in(const Json& json, const std::string& where, const char* key)
+    {
+        const Json& list = list_in(json, where, key);
+        Vec3 vector = Vec3::Zero();
+        for (int axis = 0; axis < 3; ++axis) {
+            if (list.size() != 3 || !list.at(static_cast<std::size_t>(axis)).is_number())
+                throw InputError("three numbers are expected", where + "/" + key);
+            vector[axis] = list.at(static_cast<std::size_t>(axis)).get<double>();
+        }
+        return vector;
+    }
+
+    KeptView view_of(const Json& json, const std::string& where)
+    {
+        check_keys(json, where, { "name", "approach", "opened", "eye_mm", "aim_mm", "up", "view_angle_deg" });
+        if (!json.at("opened").is_boolean())
+            throw InputError("true or false is expected", where + "/opened");
+        if (!json.at("view_angle_deg").is_number())
+            throw InputError("a number is expected", where + "/view_angle_deg");
+        KeptView view { .name = text_in(json, where, "name"),
+            .approach = text_in(json, where, "approach"),
+            .opened = json.at("opened").get<bool>(),
+            .eye = vector_in(json, where, "eye_mm"),
+            .aim = vector_in(json, where, "aim_mm"),
+            .up = vector_in(json, where, "up"),
+            .view_angle_deg = json.at("view_angle_deg").get<double>() };
+        check_view(view, where);
+        return view;
+    }
+
+    Json json_of(const Vec3& vector) { return { vector.x(), vector.y(), vector.z() }; }
+
+    Json json_of(const KeptView& view)
+    {
+        return { { "name", view.name }, { "approach", view.approach }, { "opened", view.opened },
+            { "eye_mm", json_of(view.eye) }, { "aim_mm", json_of(view.aim) }, { "up", json_of(view.up) },
+            { "view_angle_deg", view.view_angle_deg } };
+    }
+
     Json json_of(const Choice& choice)
     {
         Json json { { "approach", choice.approach }, { "by", choice.by }, { "why", choice.why },
@@ -123,7 +162,7 @@ Decisions read_decisions(const std::filesystem::path& file)
     const std::string where = file.string() + "#";
     if (json.is_discarded())
         throw InputError("this is not JSON", file.string());
-    check_keys(json, where, { "schema", "choices", "answers" });
+    check_keys(json, where, { "schema", "choices", "answers" }, { "views" });
     if (json.at("schema") != kSchema)
         throw InputError("another schema of decisions than " + std::to_string(kSchema), where + "/schema");
     Decisions decisions;
@@ -131,6 +170,9 @@ Decisions read_decisions(const std::filesystem::path& file)
         decisions.choices.push_back(choice_of(one, where + "/choices/" + std::to_string(decisions.choices.size())));
     for (const Json& one : list_in(json, where, "answers"))
         decisions.answers.push_back(answers_of(one, where + "/answers/" + std::to_string(decisions.answers.size())));
+    if (json.contains("views"))
+        for (const Json& one : list_in(json, where, "views"))
+            decisions.views.push_back(view_of(one, where + "/views/" + std::to_string(decisions.views.size())));
     return decisions;
 }
 
@@ -144,6 +186,12 @@ void write_decisions(const std::filesystem::path& file, const Decisions& decisio
     for (const Answers& answers : decisions.answers) {
         check_answers(answers, "/answers/" + std::to_string(json["answers"].size()));
         json["answers"].push_back(json_of(answers));
+    }
+    if (!decisions.views.empty())
+        json["views"] = Json::array();
+    for (const KeptView& view : decisions.views) {
+        check_view(view, "/views/" + std::to_string(json["views"].size()));
+        json["views"].push_back(json_of(view));
     }
     write_file_atomically(file, json.dump(2) + "\n");
 }

@@ -73,6 +73,15 @@ namespace {
         steps.push_back({ PresentedView::seen, index, name + ": what the surgeon sees", seen_text(*known.field) });
     }
 
+    /// Views of the opened field only where there is one.
+    void add_kept_views(std::vector<PresentationStep>& steps, const Approach& approach, std::size_t index,
+        bool is_planned, const Decisions& decisions)
+    {
+        for (const KeptView& view : decisions.views)
+            if (view.approach == approach.name && (is_planned || !view.opened))
+                steps.push_back({ PresentedView::kept, index, spoken_name(approach) + ": " + view.name, {}, view });
+    }
+
     /// @param planned index of the approach of each field
     /// @return which approach shows most, where one leads beyond the error; and what is chosen
     std::string comparison_text(const Case& planned_case, const std::vector<std::size_t>& planned,
@@ -104,6 +113,7 @@ std::vector<PresentationStep> presentation_of(
     std::vector<FieldMetrics> fields;
     for (std::size_t index = 0; index < known.size(); ++index) {
         add_steps(steps, planned_case.approaches[index], index, known[index]);
+        add_kept_views(steps, planned_case.approaches[index], index, known[index].field != nullptr, decisions);
         if (known[index].field == nullptr)
             continue;
         planned.push_back(index);

@@ -21,13 +21,15 @@ enum class PresentedView {
     blade, ///< slices along and across the incision, with the blade
     opened, ///< the opened patient from outside
     seen, ///< from the surgeon's eye
+    kept, ///< from where the team kept a view
     comparison, ///< what the surgeon's eye sees through all planned approaches, side by side
 };
 
 struct PresentationStep {
     PresentedView view = PresentedView::patient;
     std::optional<std::size_t> approach {}; ///< index in the case; nothing: the patient alone, or all approaches
-    std::string title {}, text {}; ///< text: one to three sentences
+    std::string title {}, text {}; ///< text: one to three sentences; of a kept view it may be empty
+    std::optional<KeptView> kept {}; ///< of a kept view
 };
 
 /// What is known of an approach of the case.

@@ -102,6 +102,13 @@ namespace {
             case planner::PresentedView::seen:
                 fly(step, *field);
                 break;
+            case planner::PresentedView::kept: {
+                Scene scene = step.kept->opened ? overview_scene(patient_, *field) : closed_scene(*approach);
+                scene.legend.clear();
+                scene.camera = camera_of(*step.kept);
+                hold(step, { std::move(scene) });
+                break;
+            }
             case planner::PresentedView::comparison: {
                 std::vector<Scene> scenes;
                 for (const planner::PlannedField* each : all)

@@ -3,6 +3,7 @@
 // slices with the incision. Units mm; frame patient LPS.
 
 #include "planner/case/patient.h"
+#include "planner/decision/decisions.h"
 #include "planner/plan/planned_field.h"
 #include "ui/scene/scene.h"
 
@@ -29,6 +30,12 @@ TriMesh remaining_wall_at_rest(planner::Patient& patient, const planner::Planned
 
 /// The view through the opening from the best place of the eye, for which the share seen is measured.
 Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& field);
+
+/// The camera of a kept view.
+inline Camera camera_of(const planner::KeptView& view)
+{
+    return { .eye = view.eye, .aim = view.aim, .up = view.up, .view_angle_deg = view.view_angle_deg };
+}
 
 /// The opened patient from outside.
 Scene overview_scene(planner::Patient& patient, const planner::PlannedField& field);

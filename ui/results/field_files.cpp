@@ -6,6 +6,7 @@
 #include "mesh/base/text_format.h"
 #include "mesh/surface/wound_surface.h"
 #include "mesh/tetrahedra/mesh_io.h"
+#include "planner/approach/approach_draft.h"
 #include "planner/approach/divided_bones.h"
 #include "planner/approach/incision_guide.h"
 #include "planner/decision/decisions.h"
@@ -197,6 +198,21 @@ namespace {
         };
     }
 
+    /// The n-th kept view of a field.
+    planner::ReportPicture draw_kept(const std::filesystem::path& folder, planner::Patient& patient,
+        const planner::PlannedField& field, const planner::KeptView& view, int n, OffscreenRenderer& renderer,
+        const FieldViews& request)
+    {
+        Scene scene = overview_scene(patient, field);
+        scene.title = planner::spoken_name(field.approach) + ": " + view.name;
+        scene.camera = camera_of(view);
+        const std::filesystem::path file = folder / (field.approach.name + "-view-" + std::to_string(n) + ".png");
+        write_png(file,
+            renderer.render(
+                { .width = request.width, .height = request.height, .viewports = { { .scene = std::move(scene) } } }));
+        return { .approach = field.approach.name, .caption = view.name + ".", .file = file };
+    }
+
 } // namespace
 
 std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& folder, planner::Patient& patient,
@@ -228,6 +244,10 @@ std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& f
             if (auto drawn = draw_map(folder, patient, field, kind, renderer, request))
                 pictures.push_back(*std::move(drawn));
         }
+        int kept = 0;
+        for (const planner::KeptView& view : request.kept)
+            if (view.approach == field.approach.name && view.opened && !job.cancelled())
+                pictures.push_back(draw_kept(folder, patient, field, view, ++kept, renderer, request));
         field.metrics.seconds.emplace_back("render", watch.seconds());
     }
     return pictures;

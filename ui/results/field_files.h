@@ -2,6 +2,7 @@
 // Writes results of plans into a folder: meshes, numbers, pictures and the report page.
 
 #include "planner/case/patient.h"
+#include "planner/decision/decisions.h"
 #include "planner/measures/provenance.h"
 #include "planner/measures/report/report.h"
 #include "planner/plan/planned_field.h"
@@ -22,6 +23,7 @@ struct FieldViews {
     int width = 1280, height = 960;
     bool names = true; ///< the surgeon's view names the structures in it
     std::vector<FieldMapKind> maps {}; ///< drawn besides
+    std::vector<planner::KeptView> kept {}; ///< views that the team keeps, drawn besides
 };
 
 /// Writes the meshes of every measured field: <name>.vtu (cut wall with displacement, strain and material labels),
@@ -30,8 +32,9 @@ void write_field_meshes(
     const std::filesystem::path& folder, planner::Patient& patient, const std::vector<planner::PlannedField>& fields);
 
 /// Renders the views of every measured field to <name>-<view>.png, slices only when the case has a CT, and the maps to
-/// <name>-map-<kind>.png where the field has their numbers. Counts the
-/// pixels of the target in the surgeon's view (FieldMetrics::best_eye_pixels). Adds the time to each field's seconds
+/// <name>-map-<kind>.png where the field has their numbers, and kept views of opened fields to <name>-view-<n>.png.
+/// Counts the pixels of the target in the surgeon's view (FieldMetrics::best_eye_pixels). Adds the time to each field's
+/// seconds
 /// ("render").
 std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& folder, planner::Patient& patient,
     std::vector<planner::PlannedField>& fields, const FieldViews& request, const Job& job);

@@ -39,7 +39,7 @@ void MainWindow::make_actions()
     add_action(*help, "About Retractor", {}, "Show the version and the licence", [this] { show_about(); });
     // Keys that work without the menus, in a conference.
     addActions({ surgeon_, overview_, slices_, incision_, compare_, opened_, cancel_, confer_, movie_, report_, linked_,
-        reset_view_ });
+        reset_view_, keep_view_ });
     make_tool_bar();
 }
 
@@ -125,6 +125,10 @@ void MainWindow::make_view_actions(QMenu& menu)
     linked_->setChecked(true);
     reset_view_ = add_action(menu, "Reset the view", Qt::Key_0, "Show the picture again from where it was seen first",
         [this] { reset_view(); });
+    keep_view_ = add_action(menu, "Keep this view…", QKeySequence("Shift+V"),
+        "Keep the view as a step of the conference and of movies", [this] { keep_view(); });
+    forget_view_
+        = add_action(menu, "Forget a kept view…", {}, "Remove a view that was kept", [this] { forget_view(); });
     measure_ = add_action(menu, "Measure", Qt::Key_R, "Measure distances and angles on slices or on the skin",
         [this] { set_measuring(measure_->isChecked()); });
     measure_->setCheckable(true);

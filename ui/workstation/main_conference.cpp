@@ -3,12 +3,14 @@
 #include "planner/approach/approach_draft.h"
 #include "planner/measures/provenance.h"
 #include "planner/measures/verdict.h"
+#include "ui/plan_scene/plan_scene.h"
 #include "ui/workstation/conference/conference_bar.h"
 #include "ui/workstation/conference/decision_dialogs.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/picture_view.h"
 
 #include <QActionGroup>
+#include <QInputDialog>
 #include <QMenuBar>
 #include <QPainter>
 #include <QStatusBar>
@@ -52,13 +54,17 @@ namespace {
         case planner::PresentedView::patient:
         case planner::PresentedView::incision:
         case planner::PresentedView::opened:
+        case planner::PresentedView::kept:
             break;
         }
         return ViewPreset::overview;
     }
 
-    bool shows_opened(planner::PresentedView view)
+    bool shows_opened(const planner::PresentationStep& step)
     {
+        const planner::PresentedView view = step.view;
+        if (step.kept)
+            return step.kept->opened;
         return view == planner::PresentedView::opened || view == planner::PresentedView::seen
             || view == planner::PresentedView::comparison;
     }
@@ -142,7 +148,7 @@ void MainWindow::renew_steps()
     const planner::PresentationStep present = steps_[step_];
     steps_ = steps_now();
     const auto same = std::find_if(steps_.begin(), steps_.end(), [&](const planner::PresentationStep& step) {
-        return step.approach == present.approach && step.view == present.view;
+        return step.approach == present.approach && step.view == present.view && step.title == present.title;
     });
     step_ = same == steps_.end() ? 0 : static_cast<std::size_t>(same - steps_.begin());
     conference_bar_->show_step(steps_[step_], step_ + 1, steps_.size());
@@ -164,10 +170,66 @@ void MainWindow::go_to_step(std::size_t number)
         model_->select(*step.approach);
     model_->set_view(preset_of(step.view));
     model_->set_alone(std::nullopt);
-    model_->set_show_opened(shows_opened(step.view));
+    model_->set_show_opened(shows_opened(step));
     conference_bar_->show_step(step, number + 1, steps_.size());
     hand_out_work();
     show_all();
+    show_kept_view();
+}
+
+void MainWindow::show_kept_view()
+{
+    if (in_conference() && steps_[step_].kept && shown_.pictures != nullptr && view_->is_drawn())
+        view_->set_camera(camera_of(*steps_[step_].kept));
+}
+
+void MainWindow::keep_view()
+{
+    if (!keep_view_->isEnabled() || !view_->is_drawn())
+        return;
+    const planner::Approach& approach = model_->approach(*model_->selected());
+    const QString proposal = QString("View %1").arg(model_->decisions().views.size() + 1);
+    bool named = false;
+    const QString name
+        = QInputDialog::getText(this, "Keep this view", "Name of the view:", QLineEdit::Normal, proposal, &named)
+              .trimmed();
+    if (!named || name.isEmpty())
+        return;
+    const Camera camera = view_->camera();
+    const planner::KeptView kept { .name = name.toStdString(),
+        .approach = approach.name,
+        .opened = model_->shown_source().opened,
+        .eye = camera.eye,
+        .aim = camera.aim,
+        .up = camera.up,
+        .view_angle_deg = camera.view_angle_deg };
+    change_decisions([kept](planner::Decisions& decisions) { decisions.views.push_back(kept); },
+        "Kept as a step of the conference: " + name);
+}
+
+void MainWindow::forget_view()
+{
+    if (!model_ || model_->decisions().views.empty())
+        return;
+    QStringList names;
+    for (const planner::KeptView& view : model_->decisions().views)
+        names += QString::fromStdString(view.name + " (" + view.approach + ")");
+    bool chosen = false;
+    const QString name = QInputDialog::getItem(this, "Forget a kept view", "View:", names, 0, false, &chosen);
+    if (!chosen)
+        return;
+    const planner::KeptView forgotten = model_->decisions().views.at(static_cast<std::size_t>(names.indexOf(name)));
+    change_decisions(
+        [forgotten](planner::Decisions& decisions) {
+            const auto found
+                = std::find_if(decisions.views.begin(), decisions.views.end(), [&](const planner::KeptView& view) {
+                      return view.name == forgotten.name && view.approach == forgotten.approach
+                          && view.eye == forgotten.eye;
+                  });
+            if (found != decisions.views.end())
+                decisions.views.erase(found);
+        },
+        "Forgotten: " + name);
 }
 
 void MainWindow::read_decisions()

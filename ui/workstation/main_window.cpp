@@ -1034,6 +1034,9 @@ void MainWindow::show_actions()
     grey_windows_->actions().at(static_cast<int>(model_ ? model_->grey_window() : 0))->setChecked(true);
     const bool compares = model_ && model_->shown_view() == ViewPreset::compare;
     linked_->setEnabled(compares);
+    keep_view_->setEnabled(any && is_drawn_on(model_->shown_view()) && shown_.pictures != nullptr
+        && !model_->planned_case().file().empty() && knife_->scene() == nullptr);
+    forget_view_->setEnabled(model_ && !model_->decisions().views.empty());
     reset_view_->setEnabled(model_ && shown_.pictures != nullptr);
     opened_->setEnabled(any && state->field != nullptr && !editor_->drawing() && !compares);
     opened_->setChecked(opened_->isEnabled() && model_->show_opened());
@@ -1082,6 +1085,7 @@ void MainWindow::show_picture()
         shown_ = std::move(source);
         show_linked();
         view_->show_scenes(std::move(scenes));
+        show_kept_view();
     } catch (...) {
         show_error(with_controls(current_failure()));
     }

@@ -153,6 +153,10 @@ private:
     std::vector<planner::PresentationStep> steps_now() const;
     void go_to_step(std::size_t step);
     void step_by(int steps);
+    /// From where the kept view of the present step looks.
+    void show_kept_view();
+    void keep_view();
+    void forget_view();
     /// More steps where pictures or plans have come meanwhile; the present step stays.
     void renew_steps();
     void show_frame(bool shown); ///< menus, tool bar, panes and status line
@@ -281,7 +285,7 @@ private:
             *measure_ = nullptr, *correct_ = nullptr, *confer_ = nullptr, *linked_ = nullptr, *reset_view_ = nullptr;
     QActionGroup *label_looks_ = nullptr, *presenter_keys_ = nullptr, *maps_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
-            *palpate_ = nullptr, *movie_ = nullptr, *report_ = nullptr;
+            *palpate_ = nullptr, *movie_ = nullptr, *report_ = nullptr, *keep_view_ = nullptr, *forget_view_ = nullptr;
     QLabel* message_ = nullptr;
     QProgressBar* progress_ = nullptr;
     QPushButton* cancel_button_ = nullptr;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -107,6 +108,63 @@ namespace decisions_test {
     {
         EXPECT_EQ(
             choice_sentence(some().choices[1], "MIDCAB"), "Chosen: MIDCAB, by the team on 2026-11-27: seen best.");
+    }
+
+    KeptView from_the_left()
+    {
+        return { .name = "from the left",
+            .approach = "median",
+            .opened = false,
+            .eye = { 100.25, -200.5, 300.0 },
+            .aim = { 1, 2, 3 },
+            .up = Vec3::UnitZ(),
+            .view_angle_deg = 22.5 };
+    }
+
+    TEST(Decisions, KeptViewsAreReadAsTheyWereWritten)
+    {
+        const test_support::TemporaryFolder folder;
+        Decisions with_view = some();
+        with_view.views = { from_the_left() };
+        write_decisions(folder / "case.decisions.json", with_view);
+        const Decisions read = read_decisions(folder / "case.decisions.json");
+        ASSERT_EQ(read.views.size(), 1U);
+        EXPECT_EQ(read.views[0].name, "from the left");
+        EXPECT_EQ(read.views[0].approach, "median");
+        EXPECT_FALSE(read.views[0].opened);
+        EXPECT_EQ(read.views[0].eye, from_the_left().eye);
+        EXPECT_EQ(read.views[0].aim, from_the_left().aim);
+        EXPECT_EQ(read.views[0].up, from_the_left().up);
+        EXPECT_EQ(read.views[0].view_angle_deg, 22.5);
+        EXPECT_EQ(read.choices.size(), 2U);
+    }
+
+    TEST(Decisions, AViewFromWhichNothingCanBeDrawnIsRefused)
+    {
+        const auto refused = [](auto change) {
+            KeptView view = from_the_left();
+            change(view);
+            return message_of([&] { check_view(view, "/views/0"); });
+        };
+        EXPECT_EQ(refused([](KeptView&) {}), "");
+        EXPECT_NE(refused([](KeptView& view) { view.name.clear(); }).find("/views/0/name"), std::string::npos);
+        EXPECT_NE(refused([](KeptView& view) { view.eye = view.aim; }).find("/views/0/eye_mm"), std::string::npos);
+        EXPECT_NE(refused([](KeptView& view) { view.aim.x() = std::nan(""); }).find("/eye_mm"), std::string::npos);
+        EXPECT_NE(
+            refused([](KeptView& view) { view.up = view.aim - view.eye; }).find("/views/0/up"), std::string::npos);
+        for (const double angle : { 0.0, 180.0, std::nan("") })
+            EXPECT_NE(refused([&](KeptView& view) { view.view_angle_deg = angle; }).find("/view_angle_deg"),
+                std::string::npos);
+        const std::string begin
+            = R"({"schema":1,"choices":[],"answers":[],"views":[{"name":"a","approach":"b","opened":)";
+        const auto message
+            = [&](const std::string& rest) { return message_of([&] { (void)decisions_of(begin + rest); }); };
+        EXPECT_NE(message(R"(1,"eye_mm":[0,0,0],"aim_mm":[1,0,0],"up":[0,0,1],"view_angle_deg":30}]})").find("/opened"),
+            std::string::npos);
+        EXPECT_NE(
+            message(R"(true,"eye_mm":[0,0],"aim_mm":[1,0,0],"up":[0,0,1],"view_angle_deg":30}]})").find("/eye_mm"),
+            std::string::npos);
+        EXPECT_EQ(message(R"(true,"eye_mm":[0,0,0],"aim_mm":[1,0,0],"up":[0,0,1],"view_angle_deg":30}]})"), "");
     }
 
 } // namespace decisions_test

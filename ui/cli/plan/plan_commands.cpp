@@ -228,12 +228,15 @@ namespace {
             .width = width,
             .height = height,
             .names = !options.without_names };
+        if (std::erase(request.views, "kept") > 0)
+            request.kept = planner::read_decisions(planner::decisions_file(planned_case)).views;
         for (const std::string& map : split(options.maps, ','))
             request.maps.push_back(field_map_from_string(map));
         for (const std::string& view : request.views)
             if (std::find(std::begin(planner::kViewNames), std::end(planner::kViewNames), view)
                 == std::end(planner::kViewNames))
-                throw InputError("there is no view \"" + view + "\"; there are surgeon, overview, slices", "--views");
+                throw InputError(
+                    "there is no view \"" + view + "\"; there are surgeon, overview, slices, kept", "--views");
         return request;
     }
 
@@ -685,8 +688,9 @@ void add_render_command(Commands& commands)
         "(default "
         "when the case has no approach: the first label of role target or at-risk)");
     command->add_option("--out", options->out, "Folder for the PNG files, or the movie")->required();
-    command->add_option(
-        "--views", options->views, "surgeon, overview, slices, separated by commas (default: the case's)");
+    command->add_option("--views", options->views,
+        "surgeon, overview, slices, kept (opened views that were kept in the window), separated by commas (default: "
+        "the case's)");
     command->add_option("--maps", options->maps, kMapsHelp);
     command->add_option("--size", options->size, "Width x height in pixels")->capture_default_str();
     command->add_flag("--play", options->play,

@@ -286,6 +286,14 @@ void PictureView::set_linked(bool linked)
     drawn_cameras_ = cameras();
 }
 
+void PictureView::set_camera(const Camera& camera)
+{
+    RETRACTOR_ASSERT(is_drawn());
+    makeCurrent();
+    drawn_->views.front().set_camera(camera);
+    change();
+}
+
 std::vector<Camera> PictureView::cameras() const
 {
     std::vector<Camera> cameras;

@@ -71,6 +71,9 @@ public:
     /// The present cameras of the scenes. @pre scenes are shown and drawn
     std::vector<Camera> cameras() const;
 
+    /// Looks at the first scene from another place. @pre a scene is shown and drawn
+    void set_camera(const Camera& camera);
+
     /// Shows another scene in place of one of those shown, from the same place.
     /// @throws InputError as check_scene() does; the view then keeps its scenes
     void replace_scene(std::size_t index, Scene scene);

@@ -13,6 +13,7 @@
 
 #include <gtest/gtest.h>
 
+#include <QAction>
 #include <QApplication>
 #include <QDialog>
 #include <QLabel>
@@ -248,6 +249,46 @@ namespace conference_window_test {
         window_.save_movie(folder.path / "frames.webm", true);
         test_support::wait_until_idle(window_);
         EXPECT_EQ(text_of(folder.path / "frames.webm"), "median with pictures");
+    }
+
+    TEST_F(ConferenceTest, AKeptViewIsAStepAndCanBeForgotten)
+    {
+        const test_support::TemporaryFolder folder;
+        test_support::show_window(window_);
+        planner::Case planned_case = test_support::synthetic_case();
+        planned_case.folder = folder.path;
+        window_.open(planned_case);
+        test_support::wait_until_idle(window_);
+        plan("median");
+        press(Qt::Key_2);
+        Camera camera = window_.view().camera();
+        camera.eye += Vec3(40.0, 10.0, 0.0);
+        window_.view().set_camera(camera);
+        fill_next_dialog(window_, [](QDialog& dialog) {
+            auto* name = dialog.findChild<QLineEdit*>();
+            ASSERT_NE(name, nullptr);
+            EXPECT_EQ(name->text(), "View 1");
+            name->setText("from the side");
+            dialog.accept();
+        });
+        press(Qt::Key_V, Qt::ShiftModifier);
+        EXPECT_EQ(window_.error_line(), "");
+        const auto kept = [&] { return planner::read_decisions(planner::decisions_file(planned_case)).views; };
+        ASSERT_EQ(kept().size(), 1U);
+        EXPECT_TRUE(kept()[0].opened);
+        press(Qt::Key_1); // another view, and the conference begins there
+        press(Qt::Key_F5);
+        for (int step = 0; step < 3; ++step)
+            press(Qt::Key_Right);
+        EXPECT_EQ(title(), "median: from the side");
+        EXPECT_LT((window_.view().camera().eye - camera.eye).norm(), 1e-6);
+        press(Qt::Key_Escape);
+        fill_next_dialog(window_, [](QDialog& dialog) { dialog.accept(); });
+        for (QAction* action : window_.findChildren<QAction*>())
+            if (action->text().startsWith("Forget a kept view"))
+                action->trigger();
+        test_support::wait_until_idle(window_);
+        EXPECT_TRUE(kept().empty());
     }
 
     TEST_F(ConferenceTest, SavingCanBeCancelledAndItsFailureIsSaid)

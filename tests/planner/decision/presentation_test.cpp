@@ -1,0 +1,89 @@
+#include "planner/decision/presentation.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace retractor::planner {
+namespace presentation_test {
+
+    Case two_approaches()
+    {
+        Case planned_case;
+        for (const char* name : { "median", "lateral" }) {
+            Approach approach;
+            approach.name = name;
+            approach.template_name = "points";
+            approach.incision = { { 0, 0, 50 }, { 0, 0, -50 } };
+            approach.directions.assign(2, Vec3::UnitY());
+            approach.depth_mm = 30.0;
+            approach.target.label = "aneurysm";
+            planned_case.approaches.push_back(approach);
+        }
+        return planned_case;
+    }
+
+    FieldMetrics field_of(const std::string& name, double seen)
+    {
+        FieldMetrics field;
+        field.name = name;
+        field.target = "aneurysm";
+        field.target_spec.label = "aneurysm";
+        field.seen_best_eye = seen;
+        field.mechanics_status = "converged";
+        return field;
+    }
+
+    std::vector<PresentedView> views_of(const std::vector<PresentationStep>& steps)
+    {
+        std::vector<PresentedView> views;
+        for (const PresentationStep& step : steps)
+            views.push_back(step.view);
+        return views;
+    }
+
+    TEST(Presentation, GoesFromTheIncisionToWhatIsSeenAndComparesAtTheEnd)
+    {
+        const FieldMetrics median = field_of("median", 0.6), lateral = field_of("lateral", 0.1);
+        const auto steps = presentation_of(two_approaches(),
+            { { .field = &median, .has_slices = true }, { .field = &lateral, .has_slices = false } }, {});
+        EXPECT_EQ(views_of(steps),
+            (std::vector { PresentedView::incision, PresentedView::blade, PresentedView::opened, PresentedView::seen,
+                PresentedView::incision, PresentedView::opened, PresentedView::seen, PresentedView::comparison }));
+        for (const PresentationStep& step : steps)
+            EXPECT_FALSE(step.text.empty()) << step.title;
+        EXPECT_EQ(steps[0].text, "The incision is 100 mm long. The target: aneurysm.");
+        EXPECT_NE(steps[3].text.find("60 %"), std::string::npos) << steps[3].text;
+        EXPECT_EQ(steps[0].approach, 0U);
+        EXPECT_EQ(steps[4].approach, 1U);
+        EXPECT_NE(steps.back().text.find("Nothing is chosen yet."), std::string::npos);
+    }
+
+    TEST(Presentation, OneOrNoPlanIsNotCompared)
+    {
+        const FieldMetrics median = field_of("median", 0.6);
+        EXPECT_EQ(views_of(presentation_of(two_approaches(), { { .field = &median }, {} }, {})),
+            (std::vector {
+                PresentedView::incision, PresentedView::opened, PresentedView::seen, PresentedView::incision }));
+        EXPECT_EQ(views_of(presentation_of({}, {}, {})), (std::vector { PresentedView::patient }));
+    }
+
+    TEST(Presentation, KeptViewsFollowTheirApproach)
+    {
+        const FieldMetrics median = field_of("median", 0.6);
+        Decisions decisions;
+        decisions.views
+            = { { .name = "close", .approach = "median" }, { .name = "before", .approach = "lateral", .opened = false },
+                  { .name = "open", .approach = "lateral" }, { .name = "gone", .approach = "removed" } };
+        const auto steps = presentation_of(two_approaches(), { { .field = &median }, {} }, decisions);
+        // "open" of the lateral approach waits for its plan.
+        ASSERT_EQ(views_of(steps),
+            (std::vector { PresentedView::incision, PresentedView::opened, PresentedView::seen, PresentedView::kept,
+                PresentedView::incision, PresentedView::kept }));
+        EXPECT_EQ(steps[3].kept->name, "close");
+        EXPECT_NE(steps[5].title.find("before"), std::string::npos);
+    }
+
+} // namespace presentation_test
+} // namespace retractor::planner

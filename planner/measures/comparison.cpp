@@ -1,5 +1,6 @@
 #include "planner/measures/comparison.h"
 
+#include "mesh/base/text_format.h"
 #include "planner/measures/verdict.h"
 
 #include <algorithm>
@@ -96,6 +97,88 @@ bool have_one_target(const std::vector<FieldMetrics>& fields)
         return field.target == fields.front().target && one.label == first.label && one.site == first.site
             && one.centre == first.centre && one.radius_mm == first.radius_mm;
     });
+}
+
+namespace {
+
+    /// What every field would show under a condition.
+    struct SightCondition {
+        std::string words; ///< "With the organs 10 mm nearer to the head"
+        std::vector<double> seen; ///< of each field
+    };
+
+    /// The conditions that were measured for all solved fields. A field without a lung held aside shows past any lung
+    /// what it shows.
+    std::vector<SightCondition> sight_conditions(const std::vector<FieldMetrics>& fields, const FieldMetrics& first)
+    {
+        std::vector<SightCondition> conditions;
+        const auto add = [&](const std::string& words, const auto& seen_of) {
+            SightCondition condition { .words = words, .seen = {} };
+            for (const FieldMetrics& field : fields) {
+                const std::optional<double> seen = is_solved(field) ? seen_of(field) : 0.0;
+                if (!seen)
+                    return;
+                condition.seen.push_back(*seen);
+            }
+            conditions.push_back(std::move(condition));
+        };
+        for (const ShiftedSight& shift : first.if_organs_shift)
+            add(formatted("With the organs %.0f mm nearer to the head", shift.shift_mm),
+                [&](const FieldMetrics& field) -> std::optional<double> {
+                    for (const ShiftedSight& same : field.if_organs_shift)
+                        if (same.shift_mm == shift.shift_mm)
+                            return same.seen_best_eye;
+                    return std::nullopt;
+                });
+        std::vector<double> shares;
+        for (const FieldMetrics& field : fields)
+            for (const LungSight& lung : field.if_lung_keeps)
+                if (std::find(shares.begin(), shares.end(), lung.lung_share) == shares.end())
+                    shares.push_back(lung.lung_share);
+        for (const double share : shares)
+            add(formatted("Past lungs of %.0f %% of their volume", 100.0 * share),
+                [&](const FieldMetrics& field) -> std::optional<double> {
+                    if (field.if_lung_keeps.empty())
+                        return field.seen_best_eye;
+                    for (const LungSight& same : field.if_lung_keeps)
+                        if (same.lung_share == share)
+                            return same.seen_best_eye;
+                    return std::nullopt;
+                });
+        return conditions;
+    }
+
+} // namespace
+
+std::vector<std::string> sight_order_sentences(const std::vector<FieldMetrics>& fields)
+{
+    constexpr double kSampling = 0.01; // a lead within the error of the samples is none
+    std::vector<double> seen;
+    const FieldMetrics* first = nullptr;
+    int solved = 0;
+    for (const FieldMetrics& field : fields) {
+        seen.push_back(is_solved(field) ? field.seen_best_eye : 0.0);
+        solved += is_solved(field) ? 1 : 0;
+        if (first == nullptr && is_solved(field))
+            first = &field;
+    }
+    if (solved < 2 || !have_one_target(fields))
+        return {};
+    const auto best_of = [](const std::vector<double>& shares) {
+        return static_cast<std::size_t>(std::max_element(shares.begin(), shares.end()) - shares.begin());
+    };
+    const std::size_t best = best_of(seen);
+    const std::vector<SightCondition> conditions = sight_conditions(fields, *first);
+    std::vector<std::string> sentences;
+    for (const SightCondition& condition : conditions)
+        if (const std::size_t other = best_of(condition.seen); condition.seen[other] > condition.seen[best] + kSampling)
+            sentences.push_back(condition.words + ", " + compared_letter(other)
+                + formatted(" shows most (%.0f %%), not ", 100.0 * condition.seen[other]) + compared_letter(best)
+                + formatted(" (%.0f %%).", 100.0 * condition.seen[best]));
+    if (sentences.empty() && !conditions.empty())
+        sentences.push_back(compared_letter(best)
+            + " shows most also where organs lie nearer to the head or lungs keep more or less of their volume.");
+    return sentences;
 }
 
 std::string compared_letter(std::size_t n)

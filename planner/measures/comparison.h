@@ -53,6 +53,11 @@ bool have_one_target(const std::vector<FieldMetrics>& fields);
 inline constexpr std::string_view kDifferentTargets
     = "The approaches have different targets, so what is seen of them is not compared.";
 
+/// Whether another approach shows most of the target when organs or lungs lie otherwise than assumed, in one sentence
+/// per condition; one sentence that says so where none does. Empty where the fields have different targets, fewer than
+/// two of them are solved, or no condition was measured.
+std::vector<std::string> sight_order_sentences(const std::vector<FieldMetrics>& fields);
+
 /// Letter of the n-th field, the same in pictures and tables: "A", "B".
 std::string compared_letter(std::size_t n);
 

@@ -100,6 +100,8 @@ void write_crisis_check(std::ostream& out, const std::vector<FieldMetrics>& fiel
     for (const Candidate& candidate : candidates_of(fields, divided_bones))
         out << "<li><b>" << escaped(candidate.field.name) << "</b>: " << escaped(crisis_text(candidate)) << "</li>";
     out << "</ul>";
+    for (const std::string& sentence : sight_order_sentences(fields))
+        out << "<p>" << escaped(sentence) << "</p>";
 }
 
 void write_ranking(std::ostream& out, const std::vector<FieldMetrics>& fields,

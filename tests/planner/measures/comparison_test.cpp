@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace retractor::planner {
@@ -84,6 +86,44 @@ namespace comparison_test {
         both.back().target_spec = both.front().target_spec;
         both.back().target_spec.radius_mm = 20.0;
         EXPECT_FALSE(have_one_target(both));
+    }
+
+    FieldMetrics with_conditions(double seen, double higher, std::vector<LungSight> lungs)
+    {
+        FieldMetrics made = field(seen, 0.01);
+        made.if_organs_shift = { { .shift_mm = 10.0, .seen_best_eye = higher } };
+        made.if_lung_keeps = std::move(lungs);
+        return made;
+    }
+
+    TEST(Comparison, SaysWhenAnotherApproachShowsMostUnderOtherConditions)
+    {
+        const FieldMetrics a = with_conditions(0.50, 0.20, { { 0.2, 0.60 }, { 0.5, 0.10 } });
+        const FieldMetrics b = with_conditions(0.40, 0.30, {}); // no lung is held aside
+        EXPECT_EQ(sight_order_sentences({ a, b }),
+            (std::vector<std::string> { "With the organs 10 mm nearer to the head, B shows most (30 %), not A (20 %).",
+                "Past lungs of 50 % of their volume, B shows most (40 %), not A (10 %)." }));
+        const FieldMetrics far_behind = with_conditions(0.05, 0.02, {});
+        EXPECT_EQ(sight_order_sentences({ a, far_behind }).size(), 1U);
+        EXPECT_EQ(sight_order_sentences({ a, far_behind }).front().substr(0, 22), "A shows most also wher");
+        const FieldMetrics as_good = with_conditions(0.45, 0.205, {}); // within the error of the samples
+        EXPECT_EQ(sight_order_sentences({ a, as_good }).size(), 1U) << "the lungs alone";
+    }
+
+    TEST(Comparison, SaysNothingOfConditionsThatWereNotMeasuredOrCannotBeCompared)
+    {
+        const FieldMetrics a = with_conditions(0.50, 0.20, {});
+        EXPECT_TRUE(sight_order_sentences({ a }).empty());
+        EXPECT_TRUE(sight_order_sentences({ a, field(0.4, 0.01) }).empty()) << "B was not measured";
+        EXPECT_TRUE(sight_order_sentences({ field(0.5, 0.01), field(0.4, 0.01) }).empty());
+        FieldMetrics other = with_conditions(0.4, 0.3, {});
+        other.target = "coronary";
+        EXPECT_TRUE(sight_order_sentences({ a, other }).empty());
+        FieldMetrics failed = with_conditions(0.9, 0.9, {});
+        failed.mechanics_status = "not converged";
+        const FieldMetrics b = with_conditions(0.4, 0.3, {});
+        EXPECT_EQ(sight_order_sentences({ failed, a, b }).front(),
+            "With the organs 10 mm nearer to the head, C shows most (30 %), not B (20 %).");
     }
 
 } // namespace comparison_test

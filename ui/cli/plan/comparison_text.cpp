@@ -145,7 +145,10 @@ std::string comparison_text(const std::vector<ComparedField>& fields, const plan
         text += "\n";
     }
     const bool one_target = planner::have_one_target(metrics);
-    text += "\n" + crisis_text(fields) + "\n" + number_table({ metrics, marks, one_target }) + "\n";
+    text += "\n" + crisis_text(fields) + "\n";
+    for (const std::string& sentence : planner::sight_order_sentences(metrics))
+        text += sentence + "\n";
+    text += "\n" + number_table({ metrics, marks, one_target }) + "\n";
     return text + (one_target ? ranking_text(fields, weights) : std::string(planner::kDifferentTargets) + "\n");
 }
 
@@ -162,6 +165,7 @@ Json comparison_document(const std::vector<ComparedField>& fields, const planner
                 { "divided_bones", fields[n].candidate.divided_bones } });
     }
     document["one_target"] = planner::have_one_target(metrics);
+    document["sight_order"] = planner::sight_order_sentences(metrics);
     document["measures"] = Json::array();
     for (const planner::ComparedMeasure& measure : planner::compared_measures(metrics)) {
         Json row { { "key", measure.metric->key }, { "values", Json::array() }, { "bars", Json::array() } };

@@ -1,6 +1,7 @@
 #include "ui/workstation/benchmark/window_benchmark.h"
 
 #include "mesh/base/error.h"
+#include "ui/workstation/conference/conference_bar.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/picture_view.h"
 
@@ -278,6 +279,14 @@ std::vector<MotionFigures> measure_window(MainWindow& window, bool plan, double 
         throw InputError("there is no opened field to measure: " + window.error_line());
     for (const char* name : { "surgeon", "overview" })
         measure_view("opened", name);
+    window.set_conference(true);
+    for (QString title; title != window.conference_bar().title(); window.conference_bar().on_step(1)) {
+        title = window.conference_bar().title(); // stays at the last step
+        settle(window, view);
+        if (window.model()->show_opened())
+            append(figures, measure_motions(view, "conference, " + title.toStdString(), motion));
+    }
+    window.set_conference(false);
     return figures;
 }
 

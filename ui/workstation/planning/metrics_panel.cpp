@@ -200,6 +200,8 @@ namespace {
         for (std::size_t n = 0; n < candidates.size(); ++n)
             column.addWidget(label(planner::compared_letter(n) + ": " + planner::crisis_text(candidates[n]),
                 QString("color: %1;").arg(compared_color(n).name())));
+        for (const std::string& sentence : planner::sight_order_sentences(fields))
+            column.addWidget(label(sentence, "color: #d7dde2;"));
     }
 
 } // namespace

@@ -135,9 +135,11 @@ std::size_t LabelSession::unlabelled_by_last() const
 }
 
 void LabelSession::correct(
-    std::string what, std::function<void(Case&)> correct, std::optional<datasets::LabelEdit> edit)
+    std::string what, NameCorrection names, std::function<void(Case&)> correct, std::optional<datasets::LabelEdit> edit)
 {
-    Step step { .what = std::move(what), .edits = {}, .correct = std::move(correct), .before = names_ };
+    Step step {
+        .what = std::move(what), .edits = {}, .correct = std::move(correct), .names = std::move(names), .before = names_
+    };
     Case after = names_;
     step.correct(after);
     step.after = after;
@@ -153,19 +155,21 @@ void LabelSession::join(const std::string& name, const std::string& into)
     join_label(tried, name, into); // refuses before voxels are looked for
     correct(
         "join " + readable(name) + " with " + readable(into),
+        { .kind = NameCorrection::Kind::join, .name = name, .other = into },
         [name, into](Case& planned_case) { join_label(planned_case, name, into); },
         datasets::joined(*labels_, mesh::label_named(table(), name).id, mesh::label_named(table(), into).id));
 }
 
 void LabelSession::rename(const std::string& name, const std::string& new_name)
 {
-    correct("rename " + readable(name),
+    correct("rename " + readable(name), { .kind = NameCorrection::Kind::rename, .name = name, .other = new_name },
         [name, new_name](Case& planned_case) { rename_label(planned_case, name, new_name); });
 }
 
 void LabelSession::confirm(const std::string& name)
 {
-    correct("confirm " + readable(name), [name](Case& planned_case) { confirm_label(planned_case, name); });
+    correct("confirm " + readable(name), { .kind = NameCorrection::Kind::confirm, .name = name },
+        [name](Case& planned_case) { confirm_label(planned_case, name); });
 }
 
 void LabelSession::add_label(const std::string& name, const std::string& material, mesh::Role role)
@@ -176,7 +180,9 @@ void LabelSession::add_label(const std::string& name, const std::string& materia
     if (id == std::numeric_limits<Label>::max())
         throw InputError("no label id is left");
     const mesh::LabelInfo info { static_cast<Label>(id + 1), name, material, role };
-    correct("add " + readable(name), [info](Case& planned_case) { add_to_table(planned_case.label_table, info); });
+    correct("add " + readable(name),
+        { .kind = NameCorrection::Kind::add, .name = name, .other = {}, .material = material, .role = role },
+        [info](Case& planned_case) { add_to_table(planned_case.label_table, info); });
 }
 
 std::optional<std::string> LabelSession::to_undo() const
@@ -219,6 +225,54 @@ void LabelSession::redo()
     move(undone_.back(), true);
     done_.push_back(std::move(undone_.back()));
     undone_.pop_back();
+}
+
+std::vector<LabelStep> LabelSession::steps() const
+{
+    std::vector<LabelStep> steps;
+    for (const Step& step : done_) {
+        steps.push_back({ .what = step.what, .names = step.names });
+        if (!step.names) // a join finds its voxels again
+            steps.back().edits = step.edits;
+    }
+    return steps;
+}
+
+void LabelSession::make_steps(const std::vector<LabelStep>& steps)
+{
+    for (const LabelStep& step : steps) {
+        if (step.names) {
+            switch (step.names->kind) {
+            case NameCorrection::Kind::join:
+                join(step.names->name, step.names->other);
+                break;
+            case NameCorrection::Kind::rename:
+                rename(step.names->name, step.names->other);
+                break;
+            case NameCorrection::Kind::confirm:
+                confirm(step.names->name);
+                break;
+            case NameCorrection::Kind::add:
+                add_label(step.names->name, step.names->material, step.names->role);
+                break;
+            }
+            continue;
+        }
+        Part part = Part::first;
+        for (const datasets::LabelEdit& made : step.edits) {
+            edit(
+                [&](const mesh::LabelVolume& labels) {
+                    bool fits = made.before.size() == made.voxels.size() && made.after.size() == made.voxels.size();
+                    for (std::size_t n = 0; fits && n < made.voxels.size(); ++n)
+                        fits = made.voxels[n] < labels.voxels.size() && labels.voxels[made.voxels[n]] == made.before[n];
+                    if (!fits)
+                        throw InputError("the correction \"" + made.what + "\" was made on other labels");
+                    return made;
+                },
+                part);
+            part = Part::more;
+        }
+    }
 }
 
 Case LabelSession::corrected(Case planned_case) const

@@ -16,6 +16,23 @@
 
 namespace retractor::planner {
 
+/// A change of names and marks, as a session makes it.
+struct NameCorrection {
+    enum class Kind { join, rename, confirm, add };
+    Kind kind = Kind::confirm;
+    std::string name {};
+    std::string other {}; ///< the label that is joined with, or the new name
+    std::string material {}; ///< of a label that is added
+    mesh::Role role = mesh::Role::voxel; ///< of a label that is added
+};
+
+/// A step that was made.
+struct LabelStep {
+    std::string what; ///< in words
+    std::vector<datasets::LabelEdit> edits {}; ///< of voxels, where `names` is not set
+    std::optional<NameCorrection> names {};
+};
+
 class LabelSession {
 public:
     /// @param labels as Patient::labels() reads them
@@ -57,6 +74,12 @@ public:
     /// Whether the labels differ from those of the case.
     bool changed() const { return !done_.empty(); }
 
+    /// The steps that are made now, the oldest first.
+    std::vector<LabelStep> steps() const;
+    /// Makes steps of an earlier session on the same labels.
+    /// @throws InputError when a step does not fit these labels; the steps before it are made
+    void make_steps(const std::vector<LabelStep>& steps);
+
     /// The corrections of names and marks for another state of the same case, whose approaches may have changed.
     /// write_corrected_labels() refuses what contradicts the approaches.
     /// @throws InputError when a label of a correction is missing in that state
@@ -67,6 +90,7 @@ private:
         std::string what;
         std::vector<datasets::LabelEdit> edits {};
         std::function<void(Case&)> correct {}; ///< names and marks; empty: the step changes voxels only
+        std::optional<NameCorrection> names {}; ///< where `correct` is set: what it does
         Case before {}, after {}; ///< where `correct` is set: names and marks alone
     };
     mesh::LabelVolume& writable();
@@ -76,7 +100,8 @@ private:
     /// @param make_again whether a step is made again, or else taken back
     void move(Step& step, bool make_again);
     /// A step of names and marks, with the edit of voxels that goes with it.
-    void correct(std::string what, std::function<void(Case&)> correct, std::optional<datasets::LabelEdit> edit = {});
+    void correct(std::string what, NameCorrection names, std::function<void(Case&)> correct,
+        std::optional<datasets::LabelEdit> edit = {});
 
     std::shared_ptr<mesh::LabelVolume> labels_;
     /// An older state, so that a picture that holds labels_ costs no copy of all voxels; null: there is none.

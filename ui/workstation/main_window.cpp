@@ -142,6 +142,7 @@ void MainWindow::closeEvent(QCloseEvent* event)
         model_->cancel();
     planning_executor_.cancel();
     export_executor_.cancel();
+    labels_->forget_unsaved(); // nothing unsaved, or lost as the user wants
     event->accept();
 }
 
@@ -678,6 +679,7 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     show_all();
     if (labels_tab_open())
         tabs_->setCurrentWidget(panel_); // the mouse turns the picture of the new case
+    labels_->mention_unsaved();
 }
 
 void MainWindow::close_case()

@@ -1,10 +1,13 @@
 #include "ui/workstation/labels/label_editor.h"
 
 #include "mesh/base/text_format.h"
+#include "planner/case/unsaved_labels.h"
 
 #include <QInputDialog>
 #include <QLineEdit>
+#include <QMessageBox>
 #include <QPainter>
+#include <QPushButton>
 #include <QWidget>
 
 #include <algorithm>
@@ -18,6 +21,7 @@ namespace retractor::ui {
 namespace {
 
     constexpr int kSmoothVoxels = 1;
+    constexpr int kKeepMs = 1000; ///< after the last change
 
     /// The voxel of a label that is nearest to its centre: of a bent structure the centre itself lies beside it.
     std::optional<Vec3> middle_voxel(const mesh::LabelVolume& labels, Label label)
@@ -76,17 +80,21 @@ LabelEditor::LabelEditor(PictureView& view, LabelPanel& panel, QWidget& window)
     };
     panel_.on_click = [this] { show_chosen(); };
     panel_.on_action = [this](LabelPanel::Action action) { act(action); };
-    tool_.on_edit = [this] { on_labels(); };
+    tool_.on_edit = [this] { note_change(); };
     tool_.on_refusal = [this](const QString& text) { on_message(text); };
     tool_.on_unlabelled = [this](std::size_t count) {
         on_message(QString("%1 voxels have no label now. Paint another label there.").arg(count));
     };
+    keep_timer_.setSingleShot(true);
+    keep_timer_.setInterval(kKeepMs);
+    connect(&keep_timer_, &QTimer::timeout, this, [this] { keep_unsaved(); });
     tool_.on_size = [this](double across_px) { view_.setCursor(circle_cursor(across_px)); };
 }
 
 void LabelEditor::set_case(planner::Case planned_case, ReadLabels read)
 {
     set_active(false);
+    forget_unsaved();
     const bool same = !case_.folder.empty() && planned_case.folder == case_.folder;
     ++generation_;
     working_ = 0;
@@ -96,6 +104,7 @@ void LabelEditor::set_case(planner::Case planned_case, ReadLabels read)
     session_.reset();
     case_ = std::move(planned_case);
     read_ = std::move(read);
+    unsaved_ = case_.folder.empty() ? std::filesystem::path() : planner::unsaved_labels_file(case_);
     waiting_ = read_ ? "Reading the labels …" : "Labels can be corrected where the case has a CT.";
     panel_.show_session(nullptr, waiting_);
     if (!same)
@@ -144,15 +153,29 @@ void LabelEditor::read_labels()
 {
     reading_ = true;
     waiting_ = "Reading the labels …";
-    work([this, read = read_]() -> std::function<void()> {
+    work([this, read = read_, file = unsaved_]() -> std::function<void()> {
         try {
             const std::shared_ptr<const mesh::LabelVolume> labels = read();
-            return [this, labels] {
+            const std::uint32_t sum = planner::sum_of(*labels);
+            std::optional<std::vector<planner::LabelStep>> unsaved;
+            std::optional<Failure> damage;
+            try {
+                if (!file.empty())
+                    unsaved = planner::read_unsaved_labels(file, sum);
+            } catch (...) {
+                damage = current_failure();
+            }
+            return [this, labels, sum, unsaved = std::move(unsaved), damage] {
                 reading_ = false;
+                labels_sum_ = sum;
                 session_ = std::make_unique<planner::LabelSession>(case_, labels);
                 tool_.set_session(session_.get());
                 show_state();
                 on_labels();
+                if (damage)
+                    on_failure(*damage);
+                else if (unsaved)
+                    offer_unsaved(*unsaved);
             };
         } catch (...) {
             return [this, failure = current_failure()] {
@@ -163,6 +186,58 @@ void LabelEditor::read_labels()
             };
         }
     });
+}
+
+void LabelEditor::mention_unsaved()
+{
+    std::error_code code;
+    if (read_ && !unsaved_.empty() && std::filesystem::exists(unsaved_, code))
+        on_message("Corrections of labels were not saved. Open Labels (C) to make them again.");
+}
+
+void LabelEditor::note_change()
+{
+    keep_timer_.start();
+    on_labels();
+}
+
+void LabelEditor::keep_unsaved()
+{
+    if (session_ == nullptr || unsaved_.empty())
+        return;
+    work([this, file = unsaved_, sum = labels_sum_, steps = session_->steps()]() -> std::function<void()> {
+        planner::write_unsaved_labels(file, sum, steps);
+        return [] {};
+    });
+}
+
+void LabelEditor::forget_unsaved()
+{
+    keep_timer_.stop();
+    if (session_ == nullptr || unsaved_.empty())
+        return;
+    executor_.post([file = unsaved_](const Job&) {
+        std::error_code ignored;
+        std::filesystem::remove(file, ignored);
+    });
+}
+
+void LabelEditor::offer_unsaved(const std::vector<planner::LabelStep>& steps)
+{
+    const int generation = generation_;
+    QMessageBox question(QMessageBox::Question, "Corrections of labels",
+        QString("%1 corrections of labels were made and not saved, the last: %2. Make them again?")
+            .arg(steps.size())
+            .arg(QString::fromStdString(steps.back().what)),
+        QMessageBox::NoButton, &window_);
+    QPushButton* again = question.addButton("Make them again", QMessageBox::AcceptRole);
+    question.addButton("Forget them", QMessageBox::RejectRole);
+    question.exec();
+    if (generation != generation_ || session_ == nullptr)
+        return;
+    if (question.clickedButton() != again)
+        return forget_unsaved();
+    attempt([&](planner::LabelSession& session) { session.make_steps(steps); });
 }
 
 void LabelEditor::show_state()
@@ -197,7 +272,7 @@ void LabelEditor::undo()
         return;
     session_->undo();
     show_state();
-    on_labels();
+    note_change();
 }
 
 void LabelEditor::redo()
@@ -206,7 +281,7 @@ void LabelEditor::redo()
         return;
     session_->redo();
     show_state();
-    on_labels();
+    note_change();
 }
 
 void LabelEditor::attempt(const std::function<void(planner::LabelSession&)>& change)
@@ -219,7 +294,7 @@ void LabelEditor::attempt(const std::function<void(planner::LabelSession&)>& cha
         return on_failure(current_failure());
     }
     show_state();
-    on_labels();
+    note_change();
 }
 
 std::optional<std::string> LabelEditor::ask_for_label(
@@ -298,7 +373,7 @@ void LabelEditor::act(LabelPanel::Action action)
         while (session_->to_undo())
             session_->undo();
         show_state();
-        on_labels();
+        note_change();
         return;
     }
 }

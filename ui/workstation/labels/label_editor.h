@@ -9,11 +9,15 @@
 #include "ui/workstation/labels/label_tool.h"
 
 #include <QObject>
+#include <QTimer>
 
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 class QWidget;
 
@@ -37,6 +41,10 @@ public:
     const planner::LabelSession* session() const { return session_.get(); }
     void undo();
     void redo();
+    /// Says so where corrections of an earlier window can be made again.
+    void mention_unsaved();
+    /// The corrections are lost as the user wants: nothing is offered again.
+    void forget_unsaved();
 
     // Set by the owner.
     std::function<planner::Case()> present_case; ///< the case with its present approaches
@@ -49,6 +57,11 @@ public:
 
 private:
     void act(LabelPanel::Action action);
+    /// The labels are others: shows them, and soon keeps what is not saved.
+    void note_change();
+    /// Writes what is not saved beside the case, so that a crash does not lose it.
+    void keep_unsaved();
+    void offer_unsaved(const std::vector<planner::LabelStep>& steps);
     void edit_whole(const planner::LabelSession::MakeEdit& make);
     void add_label();
     void save();
@@ -74,9 +87,12 @@ private:
     bool active_ = false, reading_ = false;
     bool busy_ = false; ///< a whole label is being edited
     QString waiting_; ///< why there is no session
+    QTimer keep_timer_;
+    std::filesystem::path unsaved_; ///< file of corrections that are not saved; empty: the case is on no disk
+    std::uint32_t labels_sum_ = 0; ///< of the labels that the session began with
     int generation_ = 0; ///< number of the case
     int working_ = 0;
-    SerialExecutor executor_; ///< declared last: its tasks use the other members
+    SerialExecutor executor_ { { .when_destroyed = WaitingTasks::run } }; ///< declared last: its tasks use the others
 };
 
 } // namespace retractor::ui

@@ -8,6 +8,7 @@
 #include "planner/case/case_io.h"
 #include "planner/case/import_case.h"
 #include "planner/case/patient.h"
+#include "planner/case/unsaved_labels.h"
 #include "ui/workstation/labels/label_editor.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/planning_backend.h"
@@ -32,6 +33,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace retractor::ui {
 namespace label_window_test {
@@ -114,6 +116,67 @@ namespace label_window_test {
         test_support::TemporaryFolder folder_;
         MainWindow window_ { [](const planner::Case& planned_case) { return make_planning_backend(planned_case); } };
     };
+
+    /// Presses a button of the message box that opens next, after some work in the background.
+    void answer_next_box(QWidget& window, const QString& answer)
+    {
+        auto* timer = new QTimer(&window);
+        QObject::connect(timer, &QTimer::timeout, &window, [timer, answer] {
+            auto* box = qobject_cast<QMessageBox*>(QApplication::activeModalWidget());
+            if (box == nullptr)
+                return;
+            timer->stop();
+            for (QAbstractButton* button : box->buttons())
+                if (button->text() == answer)
+                    return button->click();
+            box->reject();
+            FAIL() << "there is no button " << answer.toStdString();
+        });
+        timer->start(20);
+    }
+
+    TEST_F(LabelWindowTest, ACrashLosesNoCorrections)
+    {
+        const planner::Case planned_case = block_case(folder_.path);
+        const std::filesystem::path file = planner::unsaved_labels_file(planned_case);
+        std::vector<Label> painted;
+        const auto opened = [&] {
+            auto window
+                = std::make_unique<MainWindow>([](const planner::Case& one) { return make_planning_backend(one); });
+            test_support::show_window(*window);
+            window->open(planned_case);
+            test_support::wait_until_idle(*window);
+            return window;
+        };
+        {
+            const auto window = opened();
+            QTest::keyClick(window.get(), Qt::Key_C);
+            test_support::wait_until_idle(*window);
+            ASSERT_NE(window->label_editor().session(), nullptr);
+            window->label_panel().choose("aneurysm");
+            QTest::mouseClick(
+                &window->view(), Qt::LeftButton, {}, QPoint(window->view().width() / 8, window->view().height() / 5));
+            test_support::wait_until_idle(*window);
+            painted = window->label_editor().session()->labels()->voxels;
+            ASSERT_TRUE(window->label_editor().changed());
+            ASSERT_TRUE(QTest::qWaitFor([&] { return std::filesystem::exists(file); }, test_support::kPatienceMs));
+        } // the window ends without being closed
+        {
+            const auto window = opened();
+            EXPECT_NE(window->message_line().find("not saved"), std::string::npos) << window->message_line();
+            answer_next_box(*window, "Make them again");
+            QTest::keyClick(window.get(), Qt::Key_C);
+            test_support::wait_until_idle(*window);
+            ASSERT_TRUE(window->label_editor().changed()) << window->error_line();
+            EXPECT_EQ(window->label_editor().session()->labels()->voxels, painted);
+        }
+        const auto window = opened();
+        answer_next_box(*window, "Forget them");
+        QTest::keyClick(window.get(), Qt::Key_C);
+        test_support::wait_until_idle(*window);
+        EXPECT_FALSE(window->label_editor().changed());
+        EXPECT_TRUE(QTest::qWaitFor([&] { return !std::filesystem::exists(file); }, test_support::kPatienceMs));
+    }
 
     TEST_F(LabelWindowTest, ADragPaintsOneStepAndUndoTakesItBack)
     {

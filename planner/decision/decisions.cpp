@@ -42,7 +42,7 @@ void check_choice(const Choice& choice, const std::string& where)
         throw InputError("a choice gives a reason", where + "/why");
 }
 
-void check_view(const KeptView& view, const std::string& where)
+void check_view(const NamedView& view, const std::string& where)
 {
     if (view.name.empty())
         throw InputError("a kept view needs a name", where + "/name");

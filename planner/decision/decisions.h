@@ -53,7 +53,7 @@ struct Answers {
 };
 
 /// A view of an approach that the team keeps, to come back to it. Units mm, patient LPS.
-struct KeptView {
+struct NamedView {
     std::string name; ///< for people
     std::string approach; ///< its name in the case
     bool opened = true; ///< of the opened field, or of the patient before the cut
@@ -64,7 +64,7 @@ struct KeptView {
 struct Decisions {
     std::vector<Choice> choices; ///< the oldest first; the last one holds
     std::vector<Answers> answers; ///< the oldest first
-    std::vector<KeptView> views {}; ///< in the order in which they were kept
+    std::vector<NamedView> views {}; ///< in the order in which they were kept
 };
 
 /// The name of the folder of a case, without words of the identity that the case keeps.
@@ -86,7 +86,7 @@ void write_decisions(const std::filesystem::path& file, const Decisions& decisio
 void check_choice(const Choice& choice, const std::string& where);
 void check_answers(const Answers& answers, const std::string& where);
 /// @throws InputError on no name, numbers that are not finite, or a camera from which nothing can be drawn
-void check_view(const KeptView& view, const std::string& where);
+void check_view(const NamedView& view, const std::string& where);
 
 /// "Chosen: left 4th space, by A. Suzuki on 2026-11-27: the shortest way." @param name of the approach, for people
 std::string choice_sentence(const Choice& choice, const std::string& name);

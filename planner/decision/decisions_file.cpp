@@ -101,14 +101,14 @@ namespace {
         return vector;
     }
 
-    KeptView view_of(const Json& json, const std::string& where)
+    NamedView view_of(const Json& json, const std::string& where)
     {
         check_keys(json, where, { "name", "approach", "opened", "eye_mm", "aim_mm", "up", "view_angle_deg" });
         if (!json.at("opened").is_boolean())
             throw InputError("true or false is expected", where + "/opened");
         if (!json.at("view_angle_deg").is_number())
             throw InputError("a number is expected", where + "/view_angle_deg");
-        KeptView view { .name = text_in(json, where, "name"),
+        NamedView view { .name = text_in(json, where, "name"),
             .approach = text_in(json, where, "approach"),
             .opened = json.at("opened").get<bool>(),
             .eye = vector_in(json, where, "eye_mm"),
@@ -121,7 +121,7 @@ namespace {
 
     Json json_of(const Vec3& vector) { return { vector.x(), vector.y(), vector.z() }; }
 
-    Json json_of(const KeptView& view)
+    Json json_of(const NamedView& view)
     {
         return { { "name", view.name }, { "approach", view.approach }, { "opened", view.opened },
             { "eye_mm", json_of(view.eye) }, { "aim_mm", json_of(view.aim) }, { "up", json_of(view.up) },
@@ -189,7 +189,7 @@ void write_decisions(const std::filesystem::path& file, const Decisions& decisio
     }
     if (!decisions.views.empty())
         json["views"] = Json::array();
-    for (const KeptView& view : decisions.views) {
+    for (const NamedView& view : decisions.views) {
         check_view(view, "/views/" + std::to_string(json["views"].size()));
         json["views"].push_back(json_of(view));
     }

@@ -77,7 +77,7 @@ namespace {
     void add_kept_views(std::vector<PresentationStep>& steps, const Approach& approach, std::size_t index,
         bool is_planned, const Decisions& decisions)
     {
-        for (const KeptView& view : decisions.views)
+        for (const NamedView& view : decisions.views)
             if (view.approach == approach.name && (is_planned || !view.opened))
                 steps.push_back({ PresentedView::kept, index, spoken_name(approach) + ": " + view.name, {}, view });
     }

@@ -29,7 +29,7 @@ struct PresentationStep {
     PresentedView view = PresentedView::patient;
     std::optional<std::size_t> approach {}; ///< index in the case; nothing: the patient alone, or all approaches
     std::string title {}, text {}; ///< text: one to three sentences; of a kept view it may be empty
-    std::optional<KeptView> kept {}; ///< of a kept view
+    std::optional<NamedView> kept {}; ///< of a kept view
 };
 
 /// What is known of an approach of the case.

@@ -32,7 +32,7 @@ TriMesh remaining_wall_at_rest(planner::Patient& patient, const planner::Planned
 Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& field);
 
 /// The camera of a kept view.
-inline Camera camera_of(const planner::KeptView& view)
+inline Camera camera_of(const planner::NamedView& view)
 {
     return { .eye = view.eye, .aim = view.aim, .up = view.up, .view_angle_deg = view.view_angle_deg };
 }

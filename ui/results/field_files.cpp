@@ -200,7 +200,7 @@ namespace {
 
     /// The n-th kept view of a field.
     planner::ReportPicture draw_kept(const std::filesystem::path& folder, planner::Patient& patient,
-        const planner::PlannedField& field, const planner::KeptView& view, int n, OffscreenRenderer& renderer,
+        const planner::PlannedField& field, const planner::NamedView& view, int n, OffscreenRenderer& renderer,
         const FieldViews& request)
     {
         Scene scene = overview_scene(patient, field);
@@ -245,7 +245,7 @@ std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& f
                 pictures.push_back(*std::move(drawn));
         }
         int kept = 0;
-        for (const planner::KeptView& view : request.kept)
+        for (const planner::NamedView& view : request.kept)
             if (view.approach == field.approach.name && view.opened && !job.cancelled())
                 pictures.push_back(draw_kept(folder, patient, field, view, ++kept, renderer, request));
         field.metrics.seconds.emplace_back("render", watch.seconds());

@@ -23,7 +23,7 @@ struct FieldViews {
     int width = 1280, height = 960;
     bool names = true; ///< the surgeon's view names the structures in it
     std::vector<FieldMapKind> maps {}; ///< drawn besides
-    std::vector<planner::KeptView> kept {}; ///< views that the team keeps, drawn besides
+    std::vector<planner::NamedView> kept {}; ///< views that the team keeps, drawn besides
 };
 
 /// Writes the meshes of every measured field: <name>.vtu (cut wall with displacement, strain and material labels),

@@ -196,7 +196,7 @@ void MainWindow::keep_view()
     if (!named || name.isEmpty())
         return;
     const Camera camera = view_->camera();
-    const planner::KeptView kept { .name = name.toStdString(),
+    const planner::NamedView kept { .name = name.toStdString(),
         .approach = approach.name,
         .opened = model_->shown_source().opened,
         .eye = camera.eye,
@@ -212,17 +212,17 @@ void MainWindow::forget_view()
     if (!model_ || model_->decisions().views.empty())
         return;
     QStringList names;
-    for (const planner::KeptView& view : model_->decisions().views)
+    for (const planner::NamedView& view : model_->decisions().views)
         names += QString::fromStdString(view.name + " (" + view.approach + ")");
     bool chosen = false;
     const QString name = QInputDialog::getItem(this, "Forget a kept view", "View:", names, 0, false, &chosen);
     if (!chosen)
         return;
-    const planner::KeptView forgotten = model_->decisions().views.at(static_cast<std::size_t>(names.indexOf(name)));
+    const planner::NamedView forgotten = model_->decisions().views.at(static_cast<std::size_t>(names.indexOf(name)));
     change_decisions(
         [forgotten](planner::Decisions& decisions) {
             const auto found
-                = std::find_if(decisions.views.begin(), decisions.views.end(), [&](const planner::KeptView& view) {
+                = std::find_if(decisions.views.begin(), decisions.views.end(), [&](const planner::NamedView& view) {
                       return view.name == forgotten.name && view.approach == forgotten.approach
                           && view.eye == forgotten.eye;
                   });

@@ -110,7 +110,7 @@ namespace decisions_test {
             choice_sentence(some().choices[1], "MIDCAB"), "Chosen: MIDCAB, by the team on 2026-11-27: seen best.");
     }
 
-    KeptView from_the_left()
+    NamedView from_the_left()
     {
         return { .name = "from the left",
             .approach = "median",
@@ -121,7 +121,7 @@ namespace decisions_test {
             .view_angle_deg = 22.5 };
     }
 
-    TEST(Decisions, KeptViewsAreReadAsTheyWereWritten)
+    TEST(Decisions, NamedViewsAreReadAsTheyWereWritten)
     {
         const test_support::TemporaryFolder folder;
         Decisions with_view = some();
@@ -142,18 +142,18 @@ namespace decisions_test {
     TEST(Decisions, AViewFromWhichNothingCanBeDrawnIsRefused)
     {
         const auto refused = [](auto change) {
-            KeptView view = from_the_left();
+            NamedView view = from_the_left();
             change(view);
             return message_of([&] { check_view(view, "/views/0"); });
         };
-        EXPECT_EQ(refused([](KeptView&) {}), "");
-        EXPECT_NE(refused([](KeptView& view) { view.name.clear(); }).find("/views/0/name"), std::string::npos);
-        EXPECT_NE(refused([](KeptView& view) { view.eye = view.aim; }).find("/views/0/eye_mm"), std::string::npos);
-        EXPECT_NE(refused([](KeptView& view) { view.aim.x() = std::nan(""); }).find("/eye_mm"), std::string::npos);
+        EXPECT_EQ(refused([](NamedView&) {}), "");
+        EXPECT_NE(refused([](NamedView& view) { view.name.clear(); }).find("/views/0/name"), std::string::npos);
+        EXPECT_NE(refused([](NamedView& view) { view.eye = view.aim; }).find("/views/0/eye_mm"), std::string::npos);
+        EXPECT_NE(refused([](NamedView& view) { view.aim.x() = std::nan(""); }).find("/eye_mm"), std::string::npos);
         EXPECT_NE(
-            refused([](KeptView& view) { view.up = view.aim - view.eye; }).find("/views/0/up"), std::string::npos);
+            refused([](NamedView& view) { view.up = view.aim - view.eye; }).find("/views/0/up"), std::string::npos);
         for (const double angle : { 0.0, 180.0, std::nan("") })
-            EXPECT_NE(refused([&](KeptView& view) { view.view_angle_deg = angle; }).find("/view_angle_deg"),
+            EXPECT_NE(refused([&](NamedView& view) { view.view_angle_deg = angle; }).find("/view_angle_deg"),
                 std::string::npos);
         const std::string begin
             = R"({"schema":1,"choices":[],"answers":[],"views":[{"name":"a","approach":"b","opened":)";

@@ -69,7 +69,7 @@ namespace presentation_test {
         EXPECT_EQ(views_of(presentation_of({}, {}, {})), (std::vector { PresentedView::patient }));
     }
 
-    TEST(Presentation, KeptViewsFollowTheirApproach)
+    TEST(Presentation, NamedViewsFollowTheirApproach)
     {
         const FieldMetrics median = field_of("median", 0.6);
         Decisions decisions;

@@ -251,7 +251,7 @@ namespace conference_window_test {
         EXPECT_EQ(text_of(folder.path / "frames.webm"), "median with pictures");
     }
 
-    TEST_F(ConferenceTest, AKeptViewIsAStepAndCanBeForgotten)
+    TEST_F(ConferenceTest, ANamedViewIsAStepAndCanBeForgotten)
     {
         const test_support::TemporaryFolder folder;
         test_support::show_window(window_);

@@ -13,7 +13,14 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr std::string_view kLung = "lung"; // material
+    constexpr std::string_view kLung = "lung"; // material, and in the name
+    /// A lung or a lobe; a cavity full of air has the material, too.
+    bool is_lung(const mesh::LabelInfo& info)
+    {
+        return info.material == kLung && info.name.find(kLung) != std::string::npos;
+    }
+
+    constexpr std::string_view kDeflated = "_deflated"; // behind the name of the label
 
     Vec3 middle_of(std::span<const TriMesh* const> surfaces)
     {
@@ -97,11 +104,18 @@ Vec3 held_away(std::span<const TriMesh* const> whole, std::span<const TriMesh> d
     return shift * away;
 }
 
+std::string label_of_deflated(const std::string& name)
+{
+    return name.ends_with(kDeflated) ? name.substr(0, name.size() - kDeflated.size()) : name;
+}
+
 std::vector<DeflatedLung> deflated_lungs(const Approach& approach, Patient& patient, double volume_share)
 {
     const mesh::LabelTable& table = patient.planned_case().label_table;
+    // The lung that holds a spherical target is operated on.
+    const Label inside = approach.target.is_sphere() ? mesh::label_at(*patient.labels(), approach.target.centre) : 0;
     const auto is_aside = [&](const mesh::LabelInfo& info) {
-        return info.material == kLung && info.name != approach.target.label
+        return is_lung(info) && info.name != approach.target.label && info.id != inside
             && std::find(approach.retracted.begin(), approach.retracted.end(), info.name) != approach.retracted.end();
     };
     if (std::none_of(table.begin(), table.end(), is_aside))
@@ -113,14 +127,15 @@ std::vector<DeflatedLung> deflated_lungs(const Approach& approach, Patient& pati
             windpipe = patient.organ(name);
     const std::shared_ptr<const TriMesh> target = patient.target(approach.target);
     const TriMesh* const looked_at[] = { target.get() };
-    const Vec3 incision = approach.incision.empty() ? frame.origin : approach.incision[approach.incision.size() / 2];
+    RETRACTOR_ASSERT(!approach.incision.empty());
+    const Vec3 incision = approach.incision[approach.incision.size() / 2];
     std::vector<DeflatedLung> lungs;
     for (const bool left : { false, true }) {
         std::vector<std::shared_ptr<const TriMesh>> kept;
         std::vector<const TriMesh*> side, whole;
         std::vector<const mesh::LabelInfo*> aside;
         for (const mesh::LabelInfo& info : table) {
-            if (info.material != kLung || info.role == mesh::Role::wall || !patient.has_voxels(info.name))
+            if (!is_lung(info) || info.role == mesh::Role::wall || !patient.has_voxels(info.name))
                 continue;
             kept.push_back(patient.organ(info.name));
             const TriMesh* const alone[] = { kept.back().get() };
@@ -142,7 +157,7 @@ std::vector<DeflatedLung> deflated_lungs(const Approach& approach, Patient& pati
         for (std::size_t n = 0; n < aside.size(); ++n) {
             deflated[n].vertices.rowwise() += away.transpose();
             lungs.push_back({ .label = aside[n]->name,
-                .name = aside[n]->name + "_deflated",
+                .name = aside[n]->name + std::string(kDeflated),
                 .material = aside[n]->material,
                 .surface = std::move(deflated[n]) });
         }

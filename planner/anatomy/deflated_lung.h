@@ -43,6 +43,9 @@ TriMesh shrunk(TriMesh surface, const Vec3& towards, double volume_share);
 Vec3 held_away(std::span<const TriMesh* const> whole, std::span<const TriMesh> deflated, const Vec3& from,
     const Vec3& to, const AnatomicalFrame& frame);
 
+/// The label of a deflated lung's name: "lung_left" of "lung_left_deflated"; another name is its own label.
+std::string label_of_deflated(const std::string& name);
+
 struct DeflatedLung {
     std::string label; ///< lung or lobe
     std::string name; ///< "lung_left_deflated"
@@ -50,8 +53,9 @@ struct DeflatedLung {
     TriMesh surface;
 };
 
-/// The lungs and lobes that the approach holds aside. Lobes of one side shrink towards one hilum and are held away
-/// together.
+/// The lungs and lobes that the approach holds aside, but for the one that is operated on. Lobes of one side shrink
+/// towards one hilum and are held away together.
+/// @pre the approach has an incision
 /// @throws as Patient::organ(), Patient::target() and Patient::frame(), and as shrunk()
 std::vector<DeflatedLung> deflated_lungs(
     const Approach& approach, Patient& patient, double volume_share = kDeflatedLungShare);

@@ -112,7 +112,11 @@ std::optional<std::vector<LabelStep>> read_unsaved_labels(
         std::uint32_t sum = 0;
         std::vector<LabelStep> steps;
         archive(sum, steps);
-        return sum == sum_of_labels ? std::optional(std::move(steps)) : std::nullopt;
+        if (sum != sum_of_labels)
+            throw InputError(
+                "unsaved corrections were made on labels that have changed since, and cannot be made again",
+                file.string());
+        return steps;
     } catch (const cereal::Exception& exception) {
         throw InputError(
             std::string("these unsaved corrections of labels are damaged (") + exception.what() + ")", file.string());

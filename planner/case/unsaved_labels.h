@@ -20,8 +20,8 @@ std::uint32_t sum_of(const mesh::LabelVolume& labels);
 void write_unsaved_labels(
     const std::filesystem::path& file, std::uint32_t sum_of_labels, const std::vector<LabelStep>& steps);
 
-/// The steps of a file; nothing where there is no file, or where it was made on other labels.
-/// @throws IoError; InputError when the file is damaged
+/// The steps of a file; nothing where there is no file.
+/// @throws IoError; InputError when the file is damaged, or was made on other labels
 std::optional<std::vector<LabelStep>> read_unsaved_labels(
     const std::filesystem::path& file, std::uint32_t sum_of_labels);
 

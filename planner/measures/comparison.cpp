@@ -103,7 +103,7 @@ namespace {
 
     /// What every field would show under a condition.
     struct SightCondition {
-        std::string words; ///< "With the organs 10 mm nearer to the head"
+        std::string words; ///< "the organs 10 mm nearer to the head"
         std::vector<double> seen; ///< of each field
     };
 
@@ -123,7 +123,7 @@ namespace {
             conditions.push_back(std::move(condition));
         };
         for (const ShiftedSight& shift : first.if_organs_shift)
-            add(formatted("With the organs %.0f mm nearer to the head", shift.shift_mm),
+            add(formatted("the organs %.0f mm nearer to the head", shift.shift_mm),
                 [&](const FieldMetrics& field) -> std::optional<double> {
                     for (const ShiftedSight& same : field.if_organs_shift)
                         if (same.shift_mm == shift.shift_mm)
@@ -136,7 +136,7 @@ namespace {
                 if (std::find(shares.begin(), shares.end(), lung.lung_share) == shares.end())
                     shares.push_back(lung.lung_share);
         for (const double share : shares)
-            add(formatted("Past lungs of %.0f %% of their volume", 100.0 * share),
+            add(formatted("lungs of %.0f %% of their volume", 100.0 * share),
                 [&](const FieldMetrics& field) -> std::optional<double> {
                     if (field.if_lung_keeps.empty())
                         return field.seen_best_eye;
@@ -168,16 +168,22 @@ std::vector<std::string> sight_order_sentences(const std::vector<FieldMetrics>& 
         return static_cast<std::size_t>(std::max_element(shares.begin(), shares.end()) - shares.begin());
     };
     const std::size_t best = best_of(seen);
-    const std::vector<SightCondition> conditions = sight_conditions(fields, *first);
+    for (std::size_t n = 0; n < seen.size(); ++n)
+        if (n != best && seen[n] + kSampling > seen[best])
+            return {}; // none leads
     std::vector<std::string> sentences;
-    for (const SightCondition& condition : conditions)
-        if (const std::size_t other = best_of(condition.seen); condition.seen[other] > condition.seen[best] + kSampling)
-            sentences.push_back(condition.words + ", " + compared_letter(other)
+    std::string same; // conditions under which the same approach leads
+    for (const SightCondition& condition : sight_conditions(fields, *first)) {
+        const std::size_t other = best_of(condition.seen);
+        if (condition.seen[other] > condition.seen[best] + kSampling)
+            sentences.push_back("With " + condition.words + ", " + compared_letter(other)
                 + formatted(" shows most (%.0f %%), not ", 100.0 * condition.seen[other]) + compared_letter(best)
                 + formatted(" (%.0f %%).", 100.0 * condition.seen[best]));
-    if (sentences.empty() && !conditions.empty())
-        sentences.push_back(compared_letter(best)
-            + " shows most also where organs lie nearer to the head or lungs keep more or less of their volume.");
+        else if (condition.seen[best] > kSampling)
+            same += (same.empty() ? "" : ", ") + condition.words;
+    }
+    if (sentences.empty() && !same.empty())
+        sentences.push_back(compared_letter(best) + " shows most also with " + same + ".");
     return sentences;
 }
 

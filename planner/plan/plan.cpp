@@ -302,7 +302,7 @@ namespace {
         };
         add(m.target_spec.label);
         for (const SightBlocker& blocker : m.best_eye.hidden_by)
-            add(blocker.name);
+            add(label_of_deflated(blocker.name));
         for (const RiskDistance& risk : m.at_risk)
             add(risk.name);
         return names;

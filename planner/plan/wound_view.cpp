@@ -113,6 +113,8 @@ std::vector<Occluder> organ_occluders(const Approach& approach, Patient& patient
                 .labels = {},
                 .material = info.material,
                 .wall = false });
+    if (!(places.lung_share > 0.0))
+        return organs;
     for (DeflatedLung& lung : deflated_lungs(approach, patient, places.lung_share))
         organs.push_back({ .name = std::move(lung.name),
             .surface = moved(std::move(lung.surface), places.by),

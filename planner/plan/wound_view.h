@@ -34,7 +34,8 @@ bool blocks_view(const mesh::LabelInfo& label, const Approach& approach, Patient
 /// Where the organs are.
 struct OrganPlaces {
     Vec3 by = Vec3::Zero(); ///< motion of the target, of all organs and of the faces where the image ends, mm
-    double lung_share = kDeflatedLungShare; ///< of their volume that lungs held aside keep
+    /// Of their volume that lungs held aside keep; 0: these lungs are left out, as where there is no incision yet.
+    double lung_share = kDeflatedLungShare;
 };
 
 /// The organs that stay in place and block the view, lungs that are held aside, deflated, and the faces where the image

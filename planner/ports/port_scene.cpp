@@ -37,7 +37,7 @@ namespace {
         approach.target = target;
         approach.retracted
             = organs_aside(table, target, left ? ApertureKind::left_space : ApertureKind::right_space, aside);
-        std::vector<Occluder> blockers = organ_occluders(approach, patient);
+        std::vector<Occluder> blockers = organ_occluders(approach, patient, { .lung_share = 0.0 });
         if (whole_wall) {
             blockers.push_back(
                 { .name = "wall", .surface = *patient.body(), .labels = {}, .material = {}, .wall = true });

@@ -92,7 +92,7 @@ const RayScene& ApertureScorer::scene_of(ApertureKind kind)
         Approach approach;
         approach.target = target_;
         approach.retracted = organs_aside(table, target_, kind, aside_);
-        std::vector<Occluder> occluders = organ_occluders(approach, patient_);
+        std::vector<Occluder> occluders = organ_occluders(approach, patient_, { .lung_share = 0.0 });
         occluders.push_back({ .name = kWall, .surface = {}, .labels = {}, .material = {}, .wall = true });
         for (const mesh::LabelInfo& info : table)
             if (mesh::is_wall(info) && mesh::is_skeleton(info) && !gives_way(info, kind)

@@ -249,14 +249,12 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
             throw InputError("this saved plan is damaged: plan the approach again", "plans/broken.plan");
         return opened_field(approach);
     };
-    backend.write_movie = [control](const planner::Case& shown, const std::filesystem::path& file,
+    backend.write_movie = [control](const ui::PlanningBackend::Shown& shown, const std::filesystem::path& file,
                               const std::filesystem::path& pictures, const Job& job) {
-        return write_held(
-            *control, file, shown.approaches.front().name + (pictures.empty() ? "" : " with pictures"), job);
+        return write_held(*control, file, shown.planned.front() + (pictures.empty() ? "" : " with pictures"), job);
     };
-    backend.write_report = [control](const planner::Case&, const std::filesystem::path& file, const Job& job) {
-        return write_held(*control, file, "report", job);
-    };
+    backend.write_report = [control](const ui::PlanningBackend::Shown&, const std::filesystem::path& file,
+                               const Job& job) { return write_held(*control, file, "report", job); };
     return backend;
 }
 

@@ -217,7 +217,7 @@ namespace {
         {
             Scene seen = surgeon_scene(patient_, field);
             const Camera last = seen.camera, first = overview_scene(patient_, field).camera;
-            seen.legend.clear(); // the words say it
+            seen.legend.clear(); // the text under the title has the numbers
             show(step, { seen });
             const int count = frames(kFlightS);
             for (int n = 0; n < count && !job_.cancelled(); ++n) {
@@ -289,34 +289,97 @@ bool play_plans(planner::Patient& patient, const MovieContent& content, const Mo
     return true;
 }
 
+namespace {
+
+    namespace fs = std::filesystem;
+
+    std::string frame_name(int number) { return formatted("%05d.png", number); }
+
+    /// @throws InputError when the folder holds anything but frames
+    void check_frames_folder(const fs::path& folder)
+    {
+        if (!fs::exists(folder))
+            return;
+        for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+            const std::string name = entry.path().filename().string();
+            const bool is_frame = name.size() == frame_name(0).size() && name.ends_with(".png")
+                && std::all_of(name.begin(), name.end() - 4, [](char c) { return c >= '0' && c <= '9'; });
+            if (!is_frame)
+                throw InputError("the folder for frames holds other files: " + name, folder.string());
+        }
+    }
+
+    /// A new folder beside the one for frames, removed unless it takes its place.
+    class NewFrames {
+    public:
+        explicit NewFrames(fs::path folder)
+            : folder_(std::move(folder))
+            , part_(folder_.string() + ".part")
+        {
+            if (folder_.empty())
+                return;
+            check_frames_folder(folder_);
+            fs::remove_all(part_);
+            fs::create_directories(part_);
+        }
+        ~NewFrames()
+        {
+            std::error_code ignored;
+            if (!folder_.empty())
+                fs::remove_all(part_, ignored);
+        }
+        NewFrames(const NewFrames&) = delete;
+        NewFrames& operator=(const NewFrames&) = delete;
+
+        void add(const Image& picture, int frames)
+        {
+            if (folder_.empty())
+                return;
+            const fs::path first = part_ / frame_name(number_ + 1);
+            write_png(first, picture);
+            for (int n = 2; n <= frames; ++n)
+                fs::copy_file(first, part_ / frame_name(number_ + n));
+            number_ += frames;
+        }
+        void keep()
+        {
+            if (folder_.empty())
+                return;
+            fs::remove_all(folder_);
+            fs::rename(part_, folder_);
+        }
+
+    private:
+        fs::path folder_, part_;
+        int number_ = 0;
+    };
+
+} // namespace
+
 bool write_movie(const std::filesystem::path& path, const std::filesystem::path& pictures, planner::Patient& patient,
     const MovieContent& content, const MovieSettings& settings, std::unique_ptr<OffscreenContext> context,
     const Job& job)
 {
     check_movie(settings);
     struct Cancelled { }; // ends the writing of the file, which removes what was written
-    OffscreenRenderer renderer(std::move(context), job);
     try {
+        NewFrames frames(pictures);
+        OffscreenRenderer renderer(std::move(context), job);
         write_file_atomically(path, [&](const std::filesystem::path& temporary) {
             VideoFile video(temporary, settings.width, settings.height, settings.frames_per_second);
-            int number = 0;
-            const MovieSink sink = [&](const Image& picture, int frames) {
-                video.add(picture, frames);
-                if (pictures.empty())
-                    return;
-                const auto file_of = [&](int n) { return pictures / formatted("%05d.png", n); };
-                write_png(file_of(number + 1), picture);
-                for (int n = 2; n <= frames; ++n)
-                    std::filesystem::copy_file(
-                        file_of(number + 1), file_of(number + n), std::filesystem::copy_options::overwrite_existing);
-                number += frames;
+            const MovieSink sink = [&](const Image& picture, int count) {
+                video.add(picture, count);
+                frames.add(picture, count);
             };
             if (!play_plans(patient, content, settings, renderer, sink, job))
                 throw Cancelled {};
             video.finish();
         });
+        frames.keep();
     } catch (const Cancelled&) {
         return false;
+    } catch (const std::filesystem::filesystem_error& error) {
+        throw IoError(error.code().message(), error.path1().string());
     }
     return true;
 }

@@ -42,9 +42,10 @@ bool play_plans(planner::Patient& patient, const MovieContent& content, const Mo
     OffscreenRenderer& renderer, const MovieSink& sink, const Job& job = {});
 
 /// Writes the movie as VP9 in WebM, in one step.
-/// @param pictures folder for all frames as 00001.png, 00002.png ..; empty: none
-/// @return false: cancelled, and nothing is written but pictures
-/// @throws as play_plans(), VideoFile and write_png()
+/// @param pictures folder for all frames as 00001.png, 00002.png ..; frames of an earlier movie there are replaced;
+/// empty: none
+/// @return false: cancelled, and nothing is written
+/// @throws InputError also when `pictures` holds other files; as play_plans(), VideoFile and write_png()
 bool write_movie(const std::filesystem::path& path, const std::filesystem::path& pictures, planner::Patient& patient,
     const MovieContent& content, const MovieSettings& settings, std::unique_ptr<OffscreenContext> context,
     const Job& job = {});

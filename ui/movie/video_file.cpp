@@ -28,7 +28,7 @@ namespace {
         return av_strerror(code, text, sizeof text) == 0 ? text : "error " + std::to_string(code);
     }
 
-    struct Freed {
+    struct Deleter {
         void operator()(AVFormatContext* format) const
         {
             if (format->pb != nullptr)
@@ -40,7 +40,7 @@ namespace {
         void operator()(AVPacket* packet) const { av_packet_free(&packet); }
         void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
     };
-    template <class T> using Owned = std::unique_ptr<T, Freed>;
+    template <class T> using Owned = std::unique_ptr<T, Deleter>;
 
 } // namespace
 

@@ -27,7 +27,7 @@ namespace {
     constexpr double kFarRiskMm = 30.0;
     constexpr double kEyeBallMm = 7.0; ///< radius of the ball of an eye
     constexpr double kEyesFromSideDeg = 55.0; ///< the eyes are where the camera of the overview looks along
-    constexpr double kLateSamplesMm = 25.0; ///< farthest sample that colours a part of the target
+    constexpr double kFarthestSampleMm = 25.0; ///< farthest sample that colours a part of the target
 
     const ColorClasses& strain_classes()
     {
@@ -126,7 +126,8 @@ namespace {
         SceneMap map { .surfaces = { { .name = std::string(kWallName), .mesh = wall, .look_of_label = labels.looks } },
             .legend = { { "largest elongation", "" } } };
         add_legend(map, strain_classes(), "%", 0U);
-        map.legend.push_back({ "samples of skin tore", "37 to 71 %" });
+        map.legend.push_back({ "samples of skin tore",
+            formatted("%.0f to %.0f %%", 100.0 * planner::kSkinTearsFrom, 100.0 * planner::kSkinTearsTo) });
         return map;
     }
 
@@ -151,7 +152,7 @@ namespace {
     {
         if (!field.metrics.retractor)
             return std::nullopt;
-        SceneMap map { .legend = { { "mean pressure of a third", "" } } };
+        SceneMap map { .legend = { { "force of a third over a third of what touches", "" } } };
         add_legend(map, pressure_classes(), "kPa", std::nullopt);
         for (const planner::HookShape& hook : planner::placed_hooks(field, field.opening.displacement, field.geometry))
             for (const planner::BladeMetrics& blade : field.metrics.retractor->blades) {
@@ -178,7 +179,7 @@ namespace {
     {
         TriMesh all;
         for (const mesh::LabelInfo& info : patient.planned_case().label_table) {
-            if (info.role != mesh::Role::at_risk)
+            if (info.role != mesh::Role::at_risk || !patient.has_voxels(info.name))
                 continue;
             const auto organ = patient.organ(info.name);
             const auto first = static_cast<VertexId>(all.vertices.rows());
@@ -226,18 +227,21 @@ namespace {
         if (exposure.sample_points.empty() || exposure.sample_seen.size() != exposure.sample_points.size())
             return std::nullopt;
         auto target = std::make_shared<TriMesh>(*patient.target(field.approach.target));
-        target->labels.resize(target->triangles.size());
-        const MapLabels labels(share_classes());
+        constexpr Label kNotMeasured = 0;
+        target->labels.assign(target->triangles.size(), kNotMeasured);
+        const MapLabels labels(share_classes(), { { kNotMeasured, { .color = target_color() } } });
         for (std::size_t t = 0; t < target->triangles.size(); ++t) {
             const Vec3 at = middle_of(*target, t);
             // The samples stand as near to each other as the square root of their share of the area.
-            double nearest = kLateSamplesMm * kLateSamplesMm, seen = 0.0;
+            double nearest = kFarthestSampleMm * kFarthestSampleMm;
+            std::optional<double> seen;
             for (std::size_t s = 0; s < exposure.sample_points.size(); ++s)
                 if (const double squared = (exposure.sample_points[s].position - at).squaredNorm(); squared < nearest) {
                     nearest = squared;
                     seen = exposure.sample_seen[s];
                 }
-            target->labels[t] = labels.of(100.0 * seen);
+            if (seen)
+                target->labels[t] = labels.of(100.0 * *seen);
         }
         SceneMap map { .on_target = true, .legend = { { "eyes that see the place", "" } } };
         map.surfaces.push_back({ .name = "target", .mesh = target, .look_of_label = labels.looks });

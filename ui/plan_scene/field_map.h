@@ -17,7 +17,7 @@ namespace retractor::ui {
 
 enum class FieldMapKind {
     strain, ///< of the opened wall: elongation over length
-    pressure, ///< of each third of a retractor's blades on the lips
+    pressure, ///< of a retractor's blades: the force of each third over a third of the area that touches
     risk, ///< distance of the opened wall and the steel from the nearest structure at risk
     sight, ///< of the target: share of the eyes of the cone that see each part
     eyes, ///< share of the target that each eye of the cone sees

@@ -113,9 +113,10 @@ namespace {
             scene.surfaces.push_back(std::move(organ));
         }
         for (planner::DeflatedLung& lung : planner::deflated_lungs(field.approach, patient))
-            scene.surfaces.push_back({ .name = readable(lung.name),
-                .mesh = std::make_shared<const TriMesh>(std::move(lung.surface)),
-                .look = organ_look(lung.label, lung.material) });
+            scene.surfaces.push_back(
+                { .name = readable(name_in_picture(patient.planned_case(), lung.label)) + ", deflated",
+                    .mesh = std::make_shared<const TriMesh>(std::move(lung.surface)),
+                    .look = organ_look(lung.label, lung.material) });
     }
 
     void add_hooks(Scene& scene, const planner::PlannedField& field)

@@ -6,6 +6,7 @@
 #include "mesh/base/text_format.h"
 #include "mesh/surface/wound_surface.h"
 #include "mesh/tetrahedra/mesh_io.h"
+#include "planner/anatomy/deflated_lung.h"
 #include "planner/approach/approach_draft.h"
 #include "planner/approach/divided_bones.h"
 #include "planner/approach/incision_guide.h"
@@ -80,10 +81,11 @@ namespace {
                         "gap at the border of the region is not a wound."
                       : "The border of the meshed region is held, so the hook forces are upper estimates.",
             contact_limit(planned_case.contact)
-                + "; organs do not move. Lungs that an approach holds aside are deflated to 30 % of their volume at "
-                  "their "
-                  "hilum, an assumption; other organs held aside are removed from the view. "
-                  "Tissue without a label is not drawn and hides nothing.",
+                + formatted(
+                    "; organs do not move. Lungs that an approach holds aside are deflated to %.0f %% of their volume "
+                    "at their hilum, an assumption; other organs held aside are removed from the view. ",
+                    100.0 * planner::kDeflatedLungShare)
+                + "Tissue without a label is not drawn and hides nothing.",
             "Fractures are foretold for ribs only, from the mean moments at which 52 tested pieces of ribs broke; "
             "single ribs differ from the mean. Age, thin bone and earlier fractures are not considered. The sternum, "
             "the joints, the cartilages and the neck of a rib at the spine are not judged.",
@@ -220,7 +222,8 @@ std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& f
 {
     OffscreenRenderer renderer(make_offscreen_context(), job);
     std::vector<planner::ReportPicture> pictures;
-    const double total = static_cast<double>(fields.size() * (request.views.size() + request.maps.size()));
+    const double total
+        = static_cast<double>(fields.size() * (request.views.size() + request.maps.size()) + request.kept.size());
     for (planner::PlannedField& field : fields) {
         if (!planner::is_measured(field))
             continue;

@@ -31,11 +31,9 @@ struct FieldViews {
 void write_field_meshes(
     const std::filesystem::path& folder, planner::Patient& patient, const std::vector<planner::PlannedField>& fields);
 
-/// Renders the views of every measured field to <name>-<view>.png, slices only when the case has a CT, and the maps to
-/// <name>-map-<kind>.png where the field has their numbers, and kept views of opened fields to <name>-view-<n>.png.
-/// Counts the pixels of the target in the surgeon's view (FieldMetrics::best_eye_pixels). Adds the time to each field's
-/// seconds
-/// ("render").
+/// Renders the views of every measured field to <name>-<view>.png (slices only when the case has a CT), its maps to
+/// <name>-map-<kind>.png where it has their numbers, and its kept views to <name>-view-<n>.png. Counts the pixels of
+/// the target in the surgeon's view (FieldMetrics::best_eye_pixels). Adds the time to each field's seconds ("render").
 std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& folder, planner::Patient& patient,
     std::vector<planner::PlannedField>& fields, const FieldViews& request, const Job& job);
 

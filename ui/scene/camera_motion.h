@@ -13,7 +13,8 @@ Camera camera_between(const Camera& from, const Camera& to, double share);
 /// The camera turned about its aim, round its up vector.
 Camera turned_round_aim(const Camera& camera, double deg);
 
-/// The camera moved as another one moved: turned and shifted alike in its own picture, and as many times as near.
+/// The camera moved as another one moved: turned and shifted alike in its own picture, its distance changed by the same
+/// factor.
 Camera moved_alike(const Camera& camera, const Camera& before, const Camera& after);
 
 /// 0 at 0, 1 at 1, and at rest at both ends.

@@ -164,8 +164,10 @@ void MainWindow::go_to_step(std::size_t number)
 {
     if (!in_conference() || number >= steps_.size())
         return;
-    step_ = number;
     const planner::PresentationStep& step = steps_[number];
+    if (steps_[step_].kept && !step.kept)
+        shown_ = {}; // the same picture is shown from where it was seen first
+    step_ = number;
     if (step.approach && model_->selected() != step.approach)
         model_->select(*step.approach);
     model_->set_view(preset_of(step.view));
@@ -187,22 +189,32 @@ void MainWindow::keep_view()
 {
     if (!keep_view_->isEnabled() || !view_->is_drawn())
         return;
-    const planner::Approach& approach = model_->approach(*model_->selected());
-    const QString proposal = QString("View %1").arg(model_->decisions().views.size() + 1);
-    bool named = false;
-    const QString name
-        = QInputDialog::getText(this, "Keep this view", "Name of the view:", QLineEdit::Normal, proposal, &named)
-              .trimmed();
-    if (!named || name.isEmpty())
-        return;
-    const Camera camera = view_->camera();
-    const planner::NamedView kept { .name = name.toStdString(),
-        .approach = approach.name,
+    const Camera camera = view_->camera(); // as it is now: a plan may finish while the dialog waits
+    planner::NamedView kept { .name = {},
+        .approach = model_->approach(*model_->selected()).name,
         .opened = model_->shown_source().opened,
         .eye = camera.eye,
         .aim = camera.aim,
         .up = camera.up,
         .view_angle_deg = camera.view_angle_deg };
+    const std::vector<planner::NamedView> views = model_->decisions().views;
+    const auto taken = [&](const std::string& name) {
+        return std::any_of(views.begin(), views.end(),
+            [&](const planner::NamedView& view) { return view.name == name && view.approach == kept.approach; });
+    };
+    std::size_t number = views.size() + 1;
+    while (taken("View " + std::to_string(number)))
+        ++number;
+    const int generation = generation_;
+    bool given = false;
+    const QString name = QInputDialog::getText(
+        this, "Keep this view", "Name of the view:", QLineEdit::Normal, QString("View %1").arg(number), &given)
+                             .trimmed();
+    if (!given || name.isEmpty() || generation != generation_)
+        return;
+    kept.name = name.toStdString();
+    if (taken(kept.name))
+        return show_error({ "there is a view of this name already", kept.name });
     change_decisions([kept](planner::Decisions& decisions) { decisions.views.push_back(kept); },
         "Kept as a step of the conference: " + name);
 }
@@ -211,23 +223,21 @@ void MainWindow::forget_view()
 {
     if (!model_ || model_->decisions().views.empty())
         return;
+    const std::vector<planner::NamedView> views = model_->decisions().views;
     QStringList names;
-    for (const planner::NamedView& view : model_->decisions().views)
+    for (const planner::NamedView& view : views)
         names += QString::fromStdString(view.name + " (" + view.approach + ")");
+    const int generation = generation_;
     bool chosen = false;
-    const QString name = QInputDialog::getItem(this, "Forget a kept view", "View:", names, 0, false, &chosen);
-    if (!chosen)
+    const QString name = QInputDialog::getItem(this, "Forget a view", "View:", names, 0, false, &chosen);
+    const auto at = names.indexOf(name);
+    if (!chosen || at < 0 || generation != generation_)
         return;
-    const planner::NamedView forgotten = model_->decisions().views.at(static_cast<std::size_t>(names.indexOf(name)));
     change_decisions(
-        [forgotten](planner::Decisions& decisions) {
-            const auto found
-                = std::find_if(decisions.views.begin(), decisions.views.end(), [&](const planner::NamedView& view) {
-                      return view.name == forgotten.name && view.approach == forgotten.approach
-                          && view.eye == forgotten.eye;
-                  });
-            if (found != decisions.views.end())
-                decisions.views.erase(found);
+        [forgotten = views[static_cast<std::size_t>(at)]](planner::Decisions& decisions) {
+            std::erase_if(decisions.views, [&](const planner::NamedView& view) {
+                return view.name == forgotten.name && view.approach == forgotten.approach;
+            });
         },
         "Forgotten: " + name);
 }

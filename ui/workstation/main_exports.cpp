@@ -36,11 +36,10 @@ void MainWindow::save_screenshot(const std::filesystem::path& path)
 
 void MainWindow::ask_for_picture_file()
 {
-    QString file = QFileDialog::getSaveFileName(this, "Save picture", "picture.png", "Picture (*.png)");
+    const QString file
+        = with_ending(QFileDialog::getSaveFileName(this, "Save picture", "picture.png", "Picture (*.png)"), ".png");
     if (file.isEmpty())
         return;
-    if (!file.endsWith(".png", Qt::CaseInsensitive))
-        file += ".png";
     log_.hide(file.toStdString());
     try {
         save_picture(file.toStdString());
@@ -52,11 +51,10 @@ void MainWindow::ask_for_picture_file()
 
 void MainWindow::ask_for_export_file()
 {
-    QString file = QFileDialog::getSaveFileName(this, "Export the cut wall", "cut-wall.vtu", "Mesh (*.vtu)");
+    const QString file = with_ending(
+        QFileDialog::getSaveFileName(this, "Export the cut wall", "cut-wall.vtu", "Mesh (*.vtu)"), ".vtu");
     if (file.isEmpty())
         return;
-    if (!file.endsWith(".vtu", Qt::CaseInsensitive))
-        file += ".vtu";
     log_.hide(file.toStdString());
     knife_->run(planner::surgery::ExportWall { file.toStdString() });
 }
@@ -98,23 +96,32 @@ void MainWindow::run_export(const QString& file, std::function<bool(const Job&)>
     show_all();
 }
 
+PlanningBackend::Shown MainWindow::shown_plans() const
+{
+    PlanningBackend::Shown shown { .planned_case = model_->planned_case(), .planned = {} };
+    for (const std::size_t index : model_->planned())
+        shown.planned.push_back(model_->approach(index).name);
+    return shown;
+}
+
 void MainWindow::ask_for_movie_file()
 {
     if (!movie_->isEnabled())
         return;
     const QString alone = "Movie (*.webm)", with_pictures = "Movie, and every frame as a picture (*.webm)";
     QString filter = alone;
+    const int generation = generation_;
     const QString file = with_ending(QFileDialog::getSaveFileName(this, "Save a movie of the plans", "movie.webm",
                                          alone + ";;" + with_pictures, &filter),
         ".webm");
-    if (!file.isEmpty())
+    if (!file.isEmpty() && generation == generation_) // another case may have been opened while the dialog waited
         save_movie(file.toStdString(), filter == with_pictures);
 }
 
 void MainWindow::save_movie(const std::filesystem::path& file, bool with_pictures)
 {
     run_export(QString::fromStdString(file.string()),
-        [write = backend_.write_movie, shown = model_->planned_case(), file, with_pictures](const Job& job) {
+        [write = backend_.write_movie, shown = shown_plans(), file, with_pictures](const Job& job) {
             return write(
                 shown, file, with_pictures ? file.parent_path() / (file.stem().string() + "-frames") : "", job);
         });
@@ -124,16 +131,17 @@ void MainWindow::ask_for_report_file()
 {
     if (!report_->isEnabled())
         return;
+    const int generation = generation_;
     const QString file
         = with_ending(QFileDialog::getSaveFileName(this, "Save the report", "report.html", "Report (*.html)"), ".html");
-    if (!file.isEmpty())
+    if (!file.isEmpty() && generation == generation_)
         save_report(file.toStdString());
 }
 
 void MainWindow::save_report(const std::filesystem::path& file)
 {
     run_export(QString::fromStdString(file.string()),
-        [write = backend_.write_report, shown = model_->planned_case(), file](
+        [write = backend_.write_report, shown = shown_plans(), file](
             const Job& job) { return write(shown, file, job); });
 }
 

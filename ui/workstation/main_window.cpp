@@ -119,9 +119,6 @@ bool MainWindow::may_leave_case(const QString& question)
         && !may_lose(question, "A plan is being calculated. If you close now, the plan ends and its result is lost.",
             "Go on planning"))
         return false;
-    if (exports_running_ > 0
-        && !may_lose(question, "A file is being saved. If you close now, it is not saved.", "Go on saving"))
-        return false;
     if (labels_->changed()
         && !may_lose(
             question, "The corrected labels are not saved. If you close now, the corrections are lost.", "Go back"))
@@ -135,6 +132,9 @@ bool MainWindow::may_leave_case(const QString& question)
 
 void MainWindow::closeEvent(QCloseEvent* event)
 {
+    if (exports_running_ > 0
+        && !may_lose("Close the window?", "A file is being saved. If you close now, it is not saved.", "Go on saving"))
+        return event->ignore();
     if (!may_leave_case("Close the window?"))
         return event->ignore();
     knife_->abandon();
@@ -626,7 +626,7 @@ void MainWindow::make_status_line()
     progress_->setFixedWidth(300);
     cancel_button_ = new QPushButton("Cancel");
     cancel_button_->setObjectName("cancel");
-    connect(cancel_button_, &QPushButton::clicked, this, [this] { cancel_planning(); });
+    connect(cancel_button_, &QPushButton::clicked, this, [this] { cancel_work(); });
     statusBar()->addPermanentWidget(progress_);
     statusBar()->addPermanentWidget(cancel_button_);
     add_notice(*statusBar());
@@ -867,17 +867,23 @@ void MainWindow::cancel()
     if (labels_->active())
         return tabs_->setCurrentWidget(panel_);
     if (!editor_->abandon() && !knife_->abandon())
-        cancel_planning();
+        cancel_work();
 }
 
 void MainWindow::cancel_planning()
 {
-    if (model_ && model_->busy()) {
-        model_->cancel();
-        planning_executor_.cancel();
-    } else {
-        export_executor_.cancel();
-    }
+    if (!model_)
+        return;
+    model_->cancel();
+    planning_executor_.cancel();
+    show_all();
+}
+
+void MainWindow::cancel_work()
+{
+    if (model_ && model_->busy())
+        return cancel_planning();
+    export_executor_.cancel();
     show_all();
 }
 

@@ -192,6 +192,7 @@ private:
     bool may_leave_case(const QString& question);
     bool may_lose(const QString& question, const QString& what, const QString& go_on);
     void cancel_planning();
+    void cancel_work(); ///< planning, or else what is being saved
     void open_as_read(planner::Case planned_case, std::optional<std::filesystem::file_time_type> read_at);
     void run_start_work(const QString& what, std::function<std::function<void()>(const Job&)> task);
     void open_trainer();
@@ -201,6 +202,7 @@ private:
 
     // main_exports.cpp
     void run_export(const QString& file, std::function<bool(const Job&)> write);
+    PlanningBackend::Shown shown_plans() const;
     void ask_for_picture_file();
     void ask_for_movie_file();
     void ask_for_report_file();

@@ -114,6 +114,7 @@ namespace deflated_lung_test {
         Patient patient(chest_with_lungs());
         Approach approach;
         approach.target.label = "aneurysm";
+        approach.incision = { { 0, -120, 30 }, { 0, -120, 0 }, { 0, -120, -30 } };
         EXPECT_TRUE(deflated_lungs(approach, patient).empty()) << "it is not held aside";
         const auto names = [&] {
             std::vector<std::string> all;
@@ -138,8 +139,17 @@ namespace deflated_lung_test {
         }
         EXPECT_FALSE(has("lung_left"));
         EXPECT_TRUE(has("lung_left_deflated"));
+        const std::vector<Occluder> left_out = organ_occluders(approach, patient, { .lung_share = 0.0 });
+        EXPECT_TRUE(std::none_of(left_out.begin(), left_out.end(),
+            [](const Occluder& organ) { return organ.name.starts_with("lung_left"); }));
+        EXPECT_EQ(label_of_deflated("lung_left_deflated"), "lung_left");
+        EXPECT_EQ(label_of_deflated("aorta"), "aorta");
         approach.target.label = "lung_left"; // what is operated on is not deflated
         EXPECT_TRUE(deflated_lungs(approach, patient).empty());
+        approach.target = { .label = {}, .centre = whole.vertices.colwise().mean().transpose(), .radius_mm = 5.0 };
+        ASSERT_EQ(mesh::label_at(*patient.labels(), approach.target.centre),
+            mesh::find_label(patient.labels()->table, "lung_left")->id);
+        EXPECT_TRUE(deflated_lungs(approach, patient).empty()) << "the sphere lies in it";
     }
 
 } // namespace deflated_lung_test

@@ -92,17 +92,21 @@ namespace unsaved_labels_test {
         EXPECT_NO_THROW(write_unsaved_labels(file, 1, {}));
     }
 
-    TEST(UnsavedLabels, OfOtherLabelsAreNotOffered)
+    TEST(UnsavedLabels, OfOtherLabelsAreRefused)
     {
         const test_support::TemporaryFolder folder;
         const auto file = folder / "case.unsaved-labels";
         write_unsaved_labels(file, sum_of(*image()), corrected_session().steps());
         const auto other = image();
         other->voxels[7] = 2;
-        EXPECT_FALSE(read_unsaved_labels(file, sum_of(*other)));
+        const auto refusal = [&](const mesh::LabelVolume& labels) {
+            return test_support::message_of([&] { (void)read_unsaved_labels(file, sum_of(labels)); });
+        };
+        EXPECT_NE(refusal(*other).find("labels that have changed since"), std::string::npos);
         const auto renamed = image();
         renamed->table[1].name = "rib_left_6";
-        EXPECT_FALSE(read_unsaved_labels(file, sum_of(*renamed)));
+        EXPECT_NE(refusal(*renamed).find("labels that have changed since"), std::string::npos);
+        EXPECT_EQ(refusal(*image()), "");
         // Steps that do not fit are refused even so.
         LabelSession session(planned(), other);
         std::vector<LabelStep> steps = corrected_session().steps();

@@ -100,12 +100,21 @@ namespace plan_movie_test {
         const test_support::TemporaryFolder folder;
         MovieContent closed = *content;
         closed.fields.clear();
+        const auto frames = folder.path / "frames";
+        std::filesystem::create_directories(frames);
+        std::ofstream(frames / "00007.png") << "of a longer movie";
         ASSERT_TRUE(
-            write_movie(folder.path / "movie.webm", folder.path, *patient, closed, kSmall, make_offscreen_context()));
+            write_movie(folder.path / "movie.webm", frames, *patient, closed, kSmall, make_offscreen_context()));
         EXPECT_EQ(test_support::read_video(folder.path / "movie.webm").frames.size(), 5U);
         for (const char* name : { "00001.png", "00005.png" })
-            EXPECT_TRUE(std::filesystem::exists(folder.path / name)) << name;
-        EXPECT_FALSE(std::filesystem::exists(folder.path / "00006.png"));
+            EXPECT_TRUE(std::filesystem::exists(frames / name)) << name;
+        for (const char* name : { "00006.png", "00007.png" })
+            EXPECT_FALSE(std::filesystem::exists(frames / name)) << name;
+        std::ofstream(frames / "notes.txt") << "of the user";
+        EXPECT_THROW(
+            (void)write_movie(folder.path / "movie.webm", frames, *patient, closed, kSmall, make_offscreen_context()),
+            InputError);
+        EXPECT_TRUE(std::filesystem::exists(frames / "notes.txt"));
     }
 
     TEST_F(PlanMovie, ACancelledMovieLeavesTheEarlierOne)

@@ -131,6 +131,10 @@ namespace field_map_test {
         for (const Label label : labels_of(map->surfaces.front()))
             words.insert(words_of(*map, label));
         EXPECT_TRUE(words.contains("below 2 mm"));
+        EXPECT_FALSE(words.contains("30 or more mm")) << "what is far keeps the colours of its tissue";
+        // A blade that leaves the body is far from everything at its end.
+        const SurfaceItem& steel = map->surfaces.at(1);
+        EXPECT_GT(labels_of(steel).size(), 1U);
         EXPECT_NO_THROW(check_scene(with_map(overview_scene(*patient, *field), *map)));
     }
 

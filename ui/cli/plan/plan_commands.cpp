@@ -401,11 +401,20 @@ namespace {
         return outcome;
     }
 
+    void refuse_what_needs_a_plan(const FieldViews& request)
+    {
+        if (!request.maps.empty())
+            throw InputError("maps show numbers of a planned field: add a view of it, such as surgeon", "--maps");
+        if (!request.kept.empty())
+            throw InputError("kept views show a planned field: leave --target and --views slices out", "--views");
+    }
+
     /// Renders the slices of approaches, which need no plan.
     Outcome render_slices_of(const PlanOptions& options, const Job& job)
     {
         planner::Patient patient(chosen_case(options, open_case(options.case_file)), job);
         const FieldViews request = picture_request(options, patient.planned_case());
+        refuse_what_needs_a_plan(request);
         if (!patient.has_ct())
             throw InputError("slices need a CT, and the case has none", options.case_file + "#/ct");
         make_folder(options.out);
@@ -419,6 +428,7 @@ namespace {
     {
         const bool asked = !options.views.empty();
         FieldViews request = picture_request(options, planned_case);
+        refuse_what_needs_a_plan(request);
         if (!asked)
             request.views = { "overview", "slices" };
         for (const std::string& view : request.views)
@@ -454,8 +464,6 @@ namespace {
         PlannedCase planned(options, Rounds::one, job);
         auto& [in_file, patient, request, checks, folder, made, drawn] = planned;
         const fs::path file = folder / "movie.webm", frames = options.frames ? folder / "frames" : fs::path();
-        if (options.frames)
-            make_folder(frames);
         const MovieContent content { .planned_case = patient.planned_case(), .fields = drawn.fields };
         if (!write_movie(file, frames, patient, content, settings, make_offscreen_context(), job))
             refuse_if_cancelled(job);

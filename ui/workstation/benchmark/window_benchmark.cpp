@@ -280,11 +280,14 @@ std::vector<MotionFigures> measure_window(MainWindow& window, bool plan, double 
     for (const char* name : { "surgeon", "overview" })
         measure_view("opened", name);
     window.set_conference(true);
-    for (QString title; title != window.conference_bar().title(); window.conference_bar().on_step(1)) {
-        title = window.conference_bar().title(); // stays at the last step
+    ConferenceBar& steps = window.conference_bar();
+    steps.on_step(1 - static_cast<int>(steps.number())); // from the first step on
+    for (const std::size_t count = steps.count();; steps.on_step(1)) {
         settle(window, view);
         if (window.model()->show_opened())
-            append(figures, measure_motions(view, "conference, " + title.toStdString(), motion));
+            append(figures, measure_motions(view, "conference, " + steps.title().toStdString(), motion));
+        if (steps.number() == count)
+            break;
     }
     window.set_conference(false);
     return figures;

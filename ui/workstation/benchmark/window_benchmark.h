@@ -26,9 +26,9 @@ struct MotionFigures {
 
 /// Waits for the case and its closed picture, and measures surgeon's eye, overview and slices (where there is a CT);
 /// with `plan`, plans the selected approach and measures the opened field too, alone and in the conference. In each
-/// picture it drags with the left
-/// button, 60 events a second, which turns a picture in space and moves the point in which slices meet; then it turns
-/// the wheel to and fro, 10 notches a second, which zooms or steps through slices. Runs the event loop.
+/// picture it drags with the left button, 60 events a second, which turns a picture in space and moves the point in
+/// which slices meet; then it turns the wheel to and fro, 10 notches a second, which zooms or steps through slices.
+/// Runs the event loop.
 /// @param seconds of each motion
 /// @throws InputError when there is nothing to measure, or a motion changes nothing
 std::vector<MotionFigures> measure_window(MainWindow& window, bool plan, double seconds = 3.0);

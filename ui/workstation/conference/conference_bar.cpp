@@ -48,6 +48,8 @@ ConferenceBar::ConferenceBar(QWidget* parent)
 
 void ConferenceBar::show_step(const planner::PresentationStep& step, std::size_t number, std::size_t count)
 {
+    number_of_step_ = number;
+    count_of_steps_ = count;
     title_->setText(QString::fromStdString(step.title));
     text_->setText(QString::fromStdString(step.text));
     number_->setText(QString("%1 / %2").arg(number).arg(count));

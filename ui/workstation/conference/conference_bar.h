@@ -21,6 +21,8 @@ public:
     /// A line under the text: what is being saved, or what went wrong; empty: none.
     void show_note(const QString& note);
     QString title() const;
+    std::size_t number() const { return number_of_step_; }
+    std::size_t count() const { return count_of_steps_; }
     QString text() const;
 
     // Set by the owner.
@@ -28,6 +30,7 @@ public:
     std::function<void()> on_end, on_movie, on_report;
 
 private:
+    std::size_t number_of_step_ = 0, count_of_steps_ = 0;
     QLabel *title_ = nullptr, *text_ = nullptr, *number_ = nullptr, *note_ = nullptr;
     QPushButton *back_ = nullptr, *next_ = nullptr;
 };

@@ -214,7 +214,7 @@ void LabelEditor::keep_unsaved()
 void LabelEditor::forget_unsaved()
 {
     keep_timer_.stop();
-    if (session_ == nullptr || unsaved_.empty())
+    if (session_ == nullptr || unsaved_.empty() || asking_)
         return;
     executor_.post([file = unsaved_](const Job&) {
         std::error_code ignored;
@@ -231,13 +231,24 @@ void LabelEditor::offer_unsaved(const std::vector<planner::LabelStep>& steps)
             .arg(QString::fromStdString(steps.back().what)),
         QMessageBox::NoButton, &window_);
     QPushButton* again = question.addButton("Make them again", QMessageBox::AcceptRole);
-    question.addButton("Forget them", QMessageBox::RejectRole);
+    const QAbstractButton* forget = question.addButton("Forget them", QMessageBox::DestructiveRole);
+    question.setEscapeButton(again); // they can be undone
+    asking_ = true; // what is not answered stays
     question.exec();
+    asking_ = false;
     if (generation != generation_ || session_ == nullptr)
         return;
-    if (question.clickedButton() != again)
+    if (question.clickedButton() == forget)
         return forget_unsaved();
-    attempt([&](planner::LabelSession& session) { session.make_steps(steps); });
+    attempt([&](planner::LabelSession& session) {
+        try {
+            session.make_steps(steps);
+        } catch (...) {
+            while (session.to_undo())
+                session.undo();
+            throw;
+        }
+    });
 }
 
 void LabelEditor::show_state()

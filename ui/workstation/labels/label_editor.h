@@ -86,6 +86,7 @@ private:
     std::unique_ptr<planner::LabelSession> session_;
     bool active_ = false, reading_ = false;
     bool busy_ = false; ///< a whole label is being edited
+    bool asking_ = false; ///< whether to make unsaved corrections again
     QString waiting_; ///< why there is no session
     QTimer keep_timer_;
     std::filesystem::path unsaved_; ///< file of corrections that are not saved; empty: the case is on no disk

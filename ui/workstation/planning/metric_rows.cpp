@@ -1,6 +1,7 @@
 #include "ui/workstation/planning/metric_rows.h"
 
 #include "mesh/base/text_format.h"
+#include "planner/anatomy/deflated_lung.h"
 #include "planner/approach/retractors.h"
 #include "planner/case/opening_protocol.h"
 #include "planner/measures/accuracy.h"
@@ -87,8 +88,10 @@ namespace {
         for (const planner::LungSight& lung : field.if_lung_keeps)
             section.rows.push_back({ "Seen past a lung of " + number(100.0 * lung.lung_share, 0, "% of its volume"),
                 percent(lung.seen_best_eye),
-                "Seen by the best eye when the lung that is held aside keeps another share of its volume than "
-                "the assumed 30 %." });
+                formatted(
+                    "Seen by the best eye when the lung that is held aside keeps another share of its volume than "
+                    "the assumed %.0f %%.",
+                    100.0 * planner::kDeflatedLungShare) });
         section.rows.push_back(
             { "Bone in sight", joined(planner::bones_in_sight(field)), "Bones that block the view of the target." });
         section.rows.push_back(

@@ -57,13 +57,21 @@ namespace {
         return planned_case;
     }
 
-    /// The saved plans of the shown approaches; those without one are left out.
-    std::vector<planner::PlannedField> saved_fields(const planner::Patient& patient, const planner::Case& shown)
+    /// The saved plans of the shown approaches. @throws InputError naming an approach whose plan is not saved
+    std::vector<planner::PlannedField> saved_fields(
+        const planner::Patient& patient, const PlanningBackend::Shown& shown)
     {
         std::vector<planner::PlannedField> fields;
-        for (const planner::Approach& approach : shown.approaches)
-            if (auto saved = planner::read_saved_plan(case_with(patient, approach), approach.name))
-                fields.push_back(std::move(saved->field));
+        for (const planner::Approach& approach : shown.planned_case.approaches) {
+            if (std::find(shown.planned.begin(), shown.planned.end(), approach.name) == shown.planned.end())
+                continue;
+            auto saved = planner::read_saved_plan(case_with(patient, approach), approach.name);
+            if (!saved)
+                throw InputError(
+                    "its plan is not saved beside the case, so it cannot be put into a file: plan it again",
+                    "approach " + approach.name);
+            fields.push_back(std::move(saved->field));
+        }
         return fields;
     }
 
@@ -243,17 +251,16 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
             = planner::read_saved_plan(case_with(*patient, approach), approach.name);
         return saved ? std::optional(pictures_of(*patient, saved->field)) : std::nullopt;
     };
-    backend.write_movie = [patient](const planner::Case& shown, const std::filesystem::path& file,
+    backend.write_movie = [patient](const PlanningBackend::Shown& shown, const std::filesystem::path& file,
                               const std::filesystem::path& pictures, const Job& job) {
-        if (!pictures.empty())
-            std::filesystem::create_directories(pictures);
-        const MovieContent content { .planned_case = shown, .fields = saved_fields(*patient, shown) };
+        const MovieContent content { .planned_case = shown.planned_case, .fields = saved_fields(*patient, shown) };
         return write_movie(file, pictures, *patient, content, {}, make_offscreen_context(), job);
     };
-    backend.write_report = [patient](const planner::Case& shown, const std::filesystem::path& file, const Job& job) {
-        std::vector<planner::PlannedField> fields = saved_fields(*patient, shown);
-        return write_report_page(file, *patient, fields, { .views = shown.views }, job);
-    };
+    backend.write_report
+        = [patient](const PlanningBackend::Shown& shown, const std::filesystem::path& file, const Job& job) {
+              std::vector<planner::PlannedField> fields = saved_fields(*patient, shown);
+              return write_report_page(file, *patient, fields, { .views = shown.planned_case.views }, job);
+          };
     return backend;
 }
 

@@ -45,12 +45,20 @@ struct PlanningBackend {
     std::function<planner::Approach(const planner::Approach&, const std::vector<Vec3>&)> move_incision;
     /// See planner::neighbours_of().
     std::function<std::vector<planner::NeighbourApproach>(const planner::Approach&)> neighbours;
-    /// Writes a movie of the case and its saved plans, see write_movie(). @return false: cancelled
+    /// What files of their own are made from: the case as it is shown, and the names of the approaches that are
+    /// planned.
+    struct Shown {
+        planner::Case planned_case;
+        std::vector<std::string> planned;
+    };
+    /// Writes a movie of the case and its plans, see write_movie(). @return false: cancelled
+    /// @throws InputError also where a plan is not kept beside the case
     std::function<bool(
-        const planner::Case&, const std::filesystem::path& file, const std::filesystem::path& pictures, const Job&)>
+        const Shown&, const std::filesystem::path& file, const std::filesystem::path& pictures, const Job&)>
         write_movie {};
-    /// Writes the report page of the saved plans, see write_report_page(). @return false: cancelled
-    std::function<bool(const planner::Case&, const std::filesystem::path& file, const Job&)> write_report {};
+    /// Writes the report page of the plans, see write_report_page(). @return false: cancelled
+    /// @throws InputError also where a plan is not kept beside the case
+    std::function<bool(const Shown&, const std::filesystem::path& file, const Job&)> write_report {};
     /// The labels of the case, to be corrected. Not set: there is no CT on which they could be.
     std::function<std::shared_ptr<const mesh::LabelVolume>()> labels {};
     /// The wall round the approach's incision, uncut, for the knife. The function throws when there is no wall.

@@ -282,7 +282,18 @@ namespace conference_window_test {
             press(Qt::Key_Right);
         EXPECT_EQ(title(), "median: from the side");
         EXPECT_LT((window_.view().camera().eye - camera.eye).norm(), 1e-6);
+        press(Qt::Key_Left);
+        press(Qt::Key_Left); // opened, from outside, as the kept view
+        EXPECT_GT((window_.view().camera().eye - camera.eye).norm(), 1.0) << "other steps keep their own camera";
         press(Qt::Key_Escape);
+        press(Qt::Key_2);
+        fill_next_dialog(window_, [](QDialog& dialog) { // the same name again
+            dialog.findChild<QLineEdit*>()->setText("from the side");
+            dialog.accept();
+        });
+        press(Qt::Key_V, Qt::ShiftModifier);
+        EXPECT_NE(window_.error_line().find("of this name already"), std::string::npos);
+        EXPECT_EQ(kept().size(), 1U);
         fill_next_dialog(window_, [](QDialog& dialog) { dialog.accept(); });
         for (QAction* action : window_.findChildren<QAction*>())
             if (action->text().startsWith("Forget a kept view"))

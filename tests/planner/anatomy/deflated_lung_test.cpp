@@ -139,8 +139,8 @@ namespace deflated_lung_test {
         }
         EXPECT_FALSE(has("lung_left"));
         EXPECT_TRUE(has("lung_left_deflated"));
-        const std::vector<Occluder> left_out = organ_occluders(approach, patient, { .lung_share = 0.0 });
-        EXPECT_TRUE(std::none_of(left_out.begin(), left_out.end(),
+        const std::vector<Occluder> unhidden = organ_occluders(approach, patient, { .lung_share = 0.0 });
+        EXPECT_TRUE(std::none_of(unhidden.begin(), unhidden.end(),
             [](const Occluder& organ) { return organ.name.starts_with("lung_left"); }));
         EXPECT_EQ(label_of_deflated("lung_left_deflated"), "lung_left");
         EXPECT_EQ(label_of_deflated("aorta"), "aorta");

@@ -20,9 +20,16 @@ namespace {
             + readable(target_name(approach.target)) + ".";
     }
 
-    std::string depth_text(const Approach& approach, const FieldMetrics* field)
+    std::string depth_text(const Approach& approach, const PresentedApproach& known)
     {
-        const std::string depth = formatted("The blade goes %.0f mm deep.", approach.depth_mm);
+        const FieldMetrics* field = known.field;
+        std::string depth = formatted("The blade goes %.0f mm deep.", approach.depth_mm);
+        if (!known.divided_bones.empty()) {
+            std::vector<std::string> bones;
+            for (const std::string& bone : known.divided_bones)
+                bones.push_back(readable(bone));
+            depth += " Sawn through: " + joined(bones) + ".";
+        }
         if (field != nullptr && field->division) { // what was done
             const std::string done = field->division->words;
             return done.empty() ? depth : depth + " Division: " + done + ".";
@@ -66,7 +73,7 @@ namespace {
         steps.push_back({ PresentedView::incision, index, name, cut_text(approach) });
         if (known.has_slices)
             steps.push_back(
-                { PresentedView::blade, index, name + ": what the blade passes", depth_text(approach, known.field) });
+                { PresentedView::blade, index, name + ": what the blade passes", depth_text(approach, known) });
         if (known.field == nullptr)
             return;
         steps.push_back({ PresentedView::opened, index, name + ": opened", opened_text(*known.field) });

@@ -36,6 +36,7 @@ struct PresentationStep {
 struct PresentedApproach {
     const FieldMetrics* field = nullptr; ///< its plan; null: it is not planned
     bool has_slices = false; ///< along and across the incision
+    std::vector<std::string> divided_bones {}; ///< labels of bones that the cut divides
 };
 
 /// At least one step. @pre one entry of `known` for each approach of the case

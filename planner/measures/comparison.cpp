@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace retractor::planner {
 
@@ -172,7 +173,7 @@ std::vector<std::string> sight_order_sentences(const std::vector<FieldMetrics>& 
         if (n != best && seen[n] + kSampling > seen[best])
             return {}; // none leads
     std::vector<std::string> sentences;
-    std::string same; // conditions under which the same approach leads
+    std::vector<std::pair<double, std::string>> same; // what the same approach shows under each condition
     for (const SightCondition& condition : sight_conditions(fields, *first)) {
         const std::size_t other = best_of(condition.seen);
         if (condition.seen[other] > condition.seen[best] + kSampling)
@@ -180,10 +181,14 @@ std::vector<std::string> sight_order_sentences(const std::vector<FieldMetrics>& 
                 + formatted(" shows most (%.0f %%), not ", 100.0 * condition.seen[other]) + compared_letter(best)
                 + formatted(" (%.0f %%).", 100.0 * condition.seen[best]));
         else if (condition.seen[best] > kSampling)
-            same += (same.empty() ? "" : ", ") + condition.words;
+            same.emplace_back(condition.seen[best], condition.words);
     }
-    if (sentences.empty() && !same.empty())
-        sentences.push_back(compared_letter(best) + " shows most also with " + same + ".");
+    if (!sentences.empty() || same.empty())
+        return sentences;
+    const auto [least, most] = std::minmax_element(same.begin(), same.end());
+    const auto part = [](const auto& one) { return formatted("%.0f %% with ", 100.0 * one.first) + one.second; };
+    sentences.push_back(compared_letter(best) + " shows most also when organs or lungs lie otherwise"
+        + (least == most ? ": " + part(*least) : ": from " + part(*least) + " to " + part(*most)) + ".");
     return sentences;
 }
 

@@ -54,9 +54,9 @@ inline constexpr std::string_view kDifferentTargets
     = "The approaches have different targets, so what is seen of them is not compared.";
 
 /// Whether the approach that shows most of the target still does when organs or lungs lie otherwise than assumed: one
-/// sentence for each condition under which another one shows most, or one sentence with all conditions under which none
-/// does. Empty where the fields have different targets, fewer than two of them are solved, none leads, or no condition
-/// was measured.
+/// sentence for each condition under which another one shows most, or one sentence with the least and the most that the
+/// same approach shows. Empty where the fields have different targets, fewer than two of them are solved, none leads,
+/// or no condition was measured.
 std::vector<std::string> sight_order_sentences(const std::vector<FieldMetrics>& fields);
 
 /// Letter of the n-th field, the same in pictures and tables: "A", "B".

@@ -4,6 +4,7 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "planner/approach/divided_bones.h"
 #include "planner/decision/decisions.h"
 #include "planner/decision/presentation.h"
 #include "planner/plan/wound_view.h"
@@ -273,7 +274,10 @@ bool play_plans(planner::Patient& patient, const MovieContent& content, const Mo
     std::vector<const planner::PlannedField*> planned;
     for (const planner::Approach& approach : planned_case.approaches) {
         const planner::PlannedField* field = field_of(fields, approach);
-        known.push_back({ .field = field == nullptr ? nullptr : &field->metrics, .has_slices = patient.has_ct() });
+        known.push_back({ .field = field == nullptr ? nullptr : &field->metrics,
+            .has_slices = patient.has_ct(),
+            .divided_bones
+            = field == nullptr ? std::vector<std::string>() : planner::divided_bones(*patient.labels(), approach) });
         if (field != nullptr)
             planned.push_back(field);
     }

@@ -8,6 +8,7 @@
 #include "mesh/surface/wound_surface.h"
 #include "planner/approach/approach_draft.h"
 #include "planner/measures/ball_strain.h"
+#include "planner/measures/risk_distances.h"
 #include "planner/plan/wound_view.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/color_scale.h"
@@ -128,6 +129,7 @@ namespace {
         add_legend(map, strain_classes(), "%", 0U);
         map.legend.push_back({ "samples of skin tore",
             formatted("%.0f to %.0f %%", 100.0 * planner::kSkinTearsFrom, 100.0 * planner::kSkinTearsTo) });
+        map.legend.push_back({ "colours: single places; the verdict takes means over balls", "" });
         return map;
     }
 
@@ -152,7 +154,7 @@ namespace {
     {
         if (!field.metrics.retractor)
             return std::nullopt;
-        SceneMap map { .legend = { { "force of a third over a third of what touches", "" } } };
+        SceneMap map { .legend = { { "pressure of the blades on the lips", "" } } };
         add_legend(map, pressure_classes(), "kPa", std::nullopt);
         for (const planner::HookShape& hook : planner::placed_hooks(field, field.opening.displacement, field.geometry))
             for (const planner::BladeMetrics& blade : field.metrics.retractor->blades) {
@@ -164,13 +166,14 @@ namespace {
                     constexpr double kKiloPascal = 1e3; // N/mm2
                     const double mean = kKiloPascal * pressure.thirds_N[third] / (pressure.touching_mm2 / 3.0);
                     steel.look_of_label[static_cast<Label>(third)]
-                        = { .color = pressure_classes().color(pressure_classes().of(mean)) };
+                        = { .color = pressure_classes().color(pressure_classes().of(mean)), .finish = Finish::unlit };
                 }
                 steel.look_of_label[3] = steel_look();
                 map.surfaces.push_back(std::move(steel));
                 map.legend.push_back(
                     { readable(blade.name) + ", largest", in_words(pressure.largest_kPa, 0) + " kPa" });
             }
+        map.legend.push_back({ "colours: force of a third over a third of what touches", "" });
         return map.surfaces.empty() ? std::nullopt : std::optional(std::move(map));
     }
 
@@ -217,6 +220,14 @@ namespace {
             add(hook.name, std::move(steel), on_steel);
         }
         add_legend(map, risk_classes(), "mm", risk_classes().count() - 1);
+        const auto add_nearest = [&](const char* what, const std::vector<planner::RiskDistance>& distances) {
+            map.legend.push_back(distances.empty()
+                    ? LegendLine { what, "none within " + in_words(planner::kFarthestRiskMm, 0) + " mm" }
+                    : LegendLine { what,
+                        readable(distances.front().name) + ", " + in_words(distances.front().distance_mm, 0) + " mm" });
+        };
+        add_nearest("nearest to the steel", field.metrics.steel_at_risk);
+        add_nearest("nearest to the cut, at rest", field.metrics.at_risk);
         map.legend.push_back({ "organs where the CT shows them", "" });
         return map;
     }
@@ -302,7 +313,9 @@ namespace {
             .legend = { { "share of the target's area seen from there", "" } },
             .from_side_deg = kEyesFromSideDeg };
         add_legend(map, classes, "%", std::nullopt, step < 1.0 ? 1 : 0);
-        map.legend.push_back({ "the best place of the eye", " ", best.color });
+        map.legend.push_back({ formatted("the best place of the eye: %.0f %% of what could be seen",
+                                   100.0 * field.metrics.seen_best_eye),
+            " ", best.color });
         map.legend.push_back({ "distance from the target", in_words(exposure.cone.eye_distance_mm, 0) + " mm" });
         return map;
     }
@@ -338,17 +351,21 @@ std::optional<SceneMap> field_map(planner::Patient& patient, const planner::Plan
     return eye_map(field);
 }
 
-Picture map_picture(
-    planner::Patient& patient, const planner::PlannedField& field, const SceneMap& map, int width, int height)
+Picture map_picture(planner::Patient& patient, const planner::PlannedField& field, const SceneMap& map,
+    const std::string& title, int width, int height)
 {
     Picture picture { .width = width, .height = height, .viewports = {} };
     Scene outside = with_map(overview_scene(patient, field), map);
+    constexpr double kLegendShare = 0.8; // of the narrower view
+    outside.legend_share = kLegendShare;
+    outside.title = map.from_side_deg != 0.0 ? planner::spoken_name(field.approach) + ": " + title : title;
     if (map.from_side_deg != 0.0) {
         picture.viewports.push_back({ .scene = std::move(outside) });
         return picture;
     }
     Scene seen = with_map(surgeon_scene(patient, field), map);
     seen.legend.clear(); // once is enough
+    seen.title = planner::spoken_name(field.approach) + ", through the incision";
     constexpr double kSeenShare = 0.55;
     picture.viewports.push_back({ .right = kSeenShare, .scene = std::move(seen) });
     picture.viewports.push_back({ .left = kSeenShare, .scene = std::move(outside) });

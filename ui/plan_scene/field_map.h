@@ -43,7 +43,7 @@ FieldMapKind field_map_from_string(std::string_view text);
 std::optional<SceneMap> field_map(planner::Patient& patient, const planner::PlannedField& field, FieldMapKind kind);
 
 /// The map from the surgeon's eye and from outside, side by side. A map of eyes has the view from outside only.
-Picture map_picture(
-    planner::Patient& patient, const planner::PlannedField& field, const SceneMap& map, int width, int height);
+Picture map_picture(planner::Patient& patient, const planner::PlannedField& field, const SceneMap& map,
+    const std::string& title, int width, int height);
 
 } // namespace retractor::ui

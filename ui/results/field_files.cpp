@@ -194,7 +194,7 @@ namespace {
         const auto name = std::find_if(
             kFieldMaps.begin(), kFieldMaps.end(), [&](const FieldMapName& one) { return one.kind == kind; });
         const std::filesystem::path file = folder / (field.approach.name + "-map-" + name->name + ".png");
-        write_png(file, renderer.render(map_picture(patient, field, *map, request.width, request.height)));
+        write_png(file, renderer.render(map_picture(patient, field, *map, name->words, request.width, request.height)));
         return planner::ReportPicture {
             .approach = field.approach.name, .caption = std::string(name->words) + ".", .file = file
         };

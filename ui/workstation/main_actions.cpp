@@ -120,7 +120,10 @@ void MainWindow::make_view_actions(QMenu& menu)
         });
     opened_->setCheckable(true);
     linked_ = add_action(menu, "Turn together", QKeySequence("Shift+T"),
-        "In the comparison, all pictures turn and zoom with the one under the mouse", [this] { show_linked(); });
+        "In the comparison, all pictures turn and zoom with the one under the mouse", [this] {
+            show_linked();
+            show_message(linked_->isChecked() ? "The pictures turn together" : "Each picture turns alone");
+        });
     linked_->setCheckable(true);
     linked_->setChecked(true);
     reset_view_ = add_action(menu, "Reset the view", Qt::Key_0, "Show the picture again from where it was seen first",

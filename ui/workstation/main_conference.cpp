@@ -136,7 +136,8 @@ std::vector<planner::PresentationStep> MainWindow::steps_now() const
     for (std::size_t index = 0; index < model_->approach_count(); ++index) {
         const ApproachState& state = model_->state(index);
         known.push_back({ .field = state.field == nullptr ? nullptr : &state.field->metrics,
-            .has_slices = state.closed != nullptr && !state.closed->incision_slices.empty() });
+            .has_slices = state.closed != nullptr && !state.closed->incision_slices.empty(),
+            .divided_bones = state.field == nullptr ? std::vector<std::string>() : state.field->divided_bones });
     }
     return planner::presentation_of(model_->planned_case(), known, model_->decisions());
 }
@@ -174,6 +175,7 @@ void MainWindow::go_to_step(std::size_t number)
     model_->set_alone(std::nullopt);
     model_->set_show_opened(shows_opened(step));
     conference_bar_->show_step(step, number + 1, steps_.size());
+    conference_bar_->show_note({}); // what was said of an earlier step
     hand_out_work();
     show_all();
     show_kept_view();

@@ -97,8 +97,10 @@ void write_crisis_check(std::ostream& out, const std::vector<FieldMetrics>& fiel
     if (fields.empty())
         return;
     out << "<h2>Think of this first</h2><ul>";
-    for (const Candidate& candidate : candidates_of(fields, divided_bones))
-        out << "<li><b>" << escaped(candidate.field.name) << "</b>: " << escaped(crisis_text(candidate)) << "</li>";
+    const std::vector<Candidate> candidates = candidates_of(fields, divided_bones);
+    for (std::size_t n = 0; n < candidates.size(); ++n)
+        out << "<li><b>" << (candidates.size() > 1 ? compared_letter(n) + " " : std::string())
+            << escaped(candidates[n].field.name) << "</b>: " << escaped(crisis_text(candidates[n])) << "</li>";
     out << "</ul>";
     for (const std::string& sentence : sight_order_sentences(fields))
         out << "<p>" << escaped(sentence) << "</p>";

@@ -47,7 +47,9 @@ namespace presentation_test {
     {
         const FieldMetrics median = field_of("median", 0.6), lateral = field_of("lateral", 0.1);
         const auto steps = presentation_of(two_approaches(),
-            { { .field = &median, .has_slices = true }, { .field = &lateral, .has_slices = false } }, {});
+            { { .field = &median, .has_slices = true, .divided_bones = { "sternum" } },
+                { .field = &lateral, .has_slices = false } },
+            {});
         EXPECT_EQ(views_of(steps),
             (std::vector { PresentedView::incision, PresentedView::blade, PresentedView::opened, PresentedView::seen,
                 PresentedView::incision, PresentedView::opened, PresentedView::seen, PresentedView::comparison }));
@@ -55,6 +57,7 @@ namespace presentation_test {
             EXPECT_FALSE(step.text.empty()) << step.title;
         EXPECT_EQ(steps[0].text, "The incision is 100 mm long. The target: aneurysm.");
         EXPECT_NE(steps[3].text.find("60 %"), std::string::npos) << steps[3].text;
+        EXPECT_EQ(steps[1].text, "The blade goes 30 mm deep. Sawn through: sternum.");
         EXPECT_EQ(steps[0].approach, 0U);
         EXPECT_EQ(steps[4].approach, 1U);
         EXPECT_NE(steps.back().text.find("Nothing is chosen yet."), std::string::npos);

@@ -228,8 +228,16 @@ namespace {
             .width = width,
             .height = height,
             .names = !options.without_names };
-        if (std::erase(request.views, "kept") > 0)
+        if (std::erase(request.views, "kept") > 0) {
             request.kept = planner::read_decisions(planner::decisions_file(planned_case)).views;
+            std::erase_if(request.kept, [&](const planner::NamedView& view) {
+                return !view.opened
+                    || std::none_of(planned_case.approaches.begin(), planned_case.approaches.end(),
+                        [&](const planner::Approach& approach) { return approach.name == view.approach; });
+            });
+            if (request.kept.empty())
+                throw InputError("no view of an opened field is kept: keep one in the window with Shift+V", "--views");
+        }
         for (const std::string& map : split(options.maps, ','))
             request.maps.push_back(field_map_from_string(map));
         for (const std::string& view : request.views)
@@ -457,7 +465,8 @@ namespace {
     Outcome render_movie(const PlanOptions& options, const Job& job)
     {
         if (!options.views.empty() || !options.maps.empty())
-            throw InputError("a movie shows its own views", options.maps.empty() ? "--views" : "--maps");
+            throw InputError(
+                "a movie shows its own views: leave this option out", options.maps.empty() ? "--views" : "--maps");
         const auto [width, height] = parse_size(options.size);
         const MovieSettings settings { .width = width, .height = height };
         check_movie(settings);

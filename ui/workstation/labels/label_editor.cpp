@@ -226,7 +226,7 @@ void LabelEditor::offer_unsaved(const std::vector<planner::LabelStep>& steps)
 {
     const int generation = generation_;
     QMessageBox question(QMessageBox::Question, "Corrections of labels",
-        QString("%1 corrections of labels were made and not saved, the last: %2. Make them again?")
+        QString("Corrections of labels were made and not saved (%1; the last: %2). Make them again?")
             .arg(steps.size())
             .arg(QString::fromStdString(steps.back().what)),
         QMessageBox::NoButton, &window_);
@@ -240,6 +240,7 @@ void LabelEditor::offer_unsaved(const std::vector<planner::LabelStep>& steps)
         return;
     if (question.clickedButton() == forget)
         return forget_unsaved();
+    on_message({});
     attempt([&](planner::LabelSession& session) {
         try {
             session.make_steps(steps);

@@ -16,6 +16,9 @@ cp demo/intercostal_4-surgeon.png "$pictures/intercostal.png"
 cp demo/median-surgeon.png "$pictures/demo-median.png"
 cp demo/intercostal_4-slices.png "$pictures/demo-slices.png"
 
+"$programs/retractor" render demo/patient/case.json --out maps --approach median --views surgeon --maps strain
+cp maps/median-map-strain.png "$pictures/map-strain.png"
+
 "$programs/retractor" search demo/patient/case.json --target aneurysm --out search
 cp search/search-map.png "$pictures/search-map.png"
 

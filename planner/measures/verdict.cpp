@@ -18,6 +18,7 @@ namespace {
 
     constexpr double kNotSeen = 0.005; ///< a share that rounds to nothing
     constexpr double kLittleSeen = 0.1; ///< ours: what is seen of a target hardly serves an operation
+    constexpr double kMuchLess = 0.5; ///< ours: with another volume of the lung less than half as much is seen
     constexpr double kTouching = 2.0; ///< mm: about a voxel, to which the distance is known
     constexpr double kNearBreaking = 0.7; ///< utilisation; the capacities of tested ribs vary by about a third
     constexpr double kWideInterval = 0.5; ///< half of the interval over the force: its first digit is in doubt
@@ -46,6 +47,15 @@ namespace {
             return say(said, Light::injury, "The " + target + " is not seen.");
         say(said, field.seen_best_eye < kLittleSeen ? Light::caution : Light::clear,
             "Shows " + two_digits(100.0 * field.seen_best_eye) + " % of the " + target + ".");
+        const LungSight* least = nullptr; // the lung that hides most
+        for (const LungSight& lung : field.if_lung_keeps)
+            if (lung.seen_best_eye < kMuchLess * field.seen_best_eye
+                && (least == nullptr || lung.seen_best_eye < least->seen_best_eye))
+                least = &lung;
+        if (least != nullptr)
+            say(said, Light::caution,
+                formatted("A lung that keeps %.0f %% of its volume leaves only ", 100.0 * least->lung_share)
+                    + two_digits(100.0 * least->seen_best_eye) + " % of it in sight.");
     }
 
     void say_opening(const FieldMetrics& field, Sentences& said)

@@ -54,6 +54,18 @@ namespace verdict_test {
         EXPECT_EQ(verdict.sentences.size(), 3U);
     }
 
+    TEST(Verdict, ALungThatWouldHideMostIsACaution)
+    {
+        FieldMetrics field = good_field();
+        field.if_lung_keeps
+            = { { .lung_share = 0.2, .seen_best_eye = 0.40 }, { .lung_share = 0.5, .seen_best_eye = 0.12 } };
+        const Verdict verdict = verdict_of(field);
+        EXPECT_EQ(verdict.light, Light::caution);
+        EXPECT_TRUE(says(verdict, "A lung that keeps 50 % of its volume leaves only 12 % of it in sight."));
+        field.if_lung_keeps[1].seen_best_eye = 0.6 * field.seen_best_eye;
+        EXPECT_EQ(verdict_of(field).light, Light::clear);
+    }
+
     TEST(Verdict, TheForceHasBothIntervals)
     {
         FieldMetrics field = good_field();

@@ -243,7 +243,6 @@ namespace {
         const MapLabels labels(share_classes(), { { kNotMeasured, { .color = target_color() } } });
         for (std::size_t t = 0; t < target->triangles.size(); ++t) {
             const Vec3 at = middle_of(*target, t);
-            // The samples stand as near to each other as the square root of their share of the area.
             double nearest = kFarthestSampleMm * kFarthestSampleMm;
             std::optional<double> seen;
             for (std::size_t s = 0; s < exposure.sample_points.size(); ++s)
@@ -312,7 +311,7 @@ namespace {
         SceneMap map { .surfaces = { { .name = "eyes", .mesh = balls, .look_of_label = labels.looks } },
             .legend = { { "share of the target's area seen from there", "" } },
             .from_side_deg = kEyesFromSideDeg };
-        add_legend(map, classes, "%", std::nullopt, step < 1.0 ? 1 : 0);
+        add_legend(map, classes, "%", std::nullopt, step == std::floor(step) ? 0 : 1);
         map.legend.push_back({ formatted("the best place of the eye: %.0f %% of what could be seen",
                                    100.0 * field.metrics.seen_best_eye),
             " ", best.color });

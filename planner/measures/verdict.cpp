@@ -55,7 +55,7 @@ namespace {
         if (least != nullptr)
             say(said, Light::caution,
                 formatted("A lung that keeps %.0f %% of its volume leaves only ", 100.0 * least->lung_share)
-                    + two_digits(100.0 * least->seen_best_eye) + " % of it in sight.");
+                    + two_digits(100.0 * least->seen_best_eye) + " % of the " + target + " in sight.");
     }
 
     void say_opening(const FieldMetrics& field, Sentences& said)

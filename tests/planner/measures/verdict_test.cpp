@@ -61,7 +61,8 @@ namespace verdict_test {
             = { { .lung_share = 0.2, .seen_best_eye = 0.40 }, { .lung_share = 0.5, .seen_best_eye = 0.12 } };
         const Verdict verdict = verdict_of(field);
         EXPECT_EQ(verdict.light, Light::caution);
-        EXPECT_TRUE(says(verdict, "A lung that keeps 50 % of its volume leaves only 12 % of it in sight."));
+        EXPECT_TRUE(
+            says(verdict, "A lung that keeps 50 % of its volume leaves only 12 % of the left atrium in sight."));
         field.if_lung_keeps[1].seen_best_eye = 0.6 * field.seen_best_eye;
         EXPECT_EQ(verdict_of(field).light, Light::clear);
     }

@@ -2,6 +2,7 @@
 
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "planner/case/checked_bytes.h"
 
 #include <cereal/archives/portable_binary.hpp>
 #include <cereal/types/optional.hpp>
@@ -10,7 +11,6 @@
 
 #include <boost/crc.hpp>
 
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -39,20 +39,6 @@ namespace {
 
     // A change of what is stored needs another mark.
     constexpr std::string_view kMark = "retractor unsaved labels 1\n";
-
-    std::uint32_t crc(std::string_view bytes)
-    {
-        boost::crc_32_type sum;
-        sum.process_bytes(bytes.data(), bytes.size());
-        return sum.checksum();
-    }
-
-    std::string bytes_of(std::uint32_t number)
-    {
-        std::string bytes(sizeof number, '\0');
-        std::memcpy(bytes.data(), &number, sizeof number);
-        return bytes;
-    }
 
 } // namespace
 
@@ -87,8 +73,7 @@ void write_unsaved_labels(
         cereal::PortableBinaryOutputArchive archive(archived);
         archive(sum_of_labels, steps);
     }
-    const std::string bytes = archived.str();
-    write_file_atomically(file, std::string(kMark) + bytes_of(crc(bytes)) + bytes);
+    write_file_atomically(file, with_sum(kMark, archived.str()));
 }
 
 std::optional<std::vector<LabelStep>> read_unsaved_labels(
@@ -101,12 +86,10 @@ std::optional<std::vector<LabelStep>> read_unsaved_labels(
     const std::string content(std::istreambuf_iterator<char>(in), {});
     if (in.bad() || !in.is_open())
         throw IoError("cannot be read", file.string());
-    constexpr std::size_t kHeader = kMark.size() + sizeof(std::uint32_t);
-    const std::string_view bytes = std::string_view(content).substr(std::min(kHeader, content.size()));
-    if (!content.starts_with(kMark) || content.size() < kHeader
-        || content.substr(kMark.size(), sizeof(std::uint32_t)) != bytes_of(crc(bytes)))
+    const std::optional<std::string_view> bytes = without_sum(kMark, content);
+    if (!bytes)
         throw InputError("these unsaved corrections of labels are damaged", file.string());
-    std::istringstream archived { std::string(bytes), std::ios::binary };
+    std::istringstream archived(std::string(*bytes), std::ios::binary);
     try {
         cereal::PortableBinaryInputArchive archive(archived);
         std::uint32_t sum = 0;

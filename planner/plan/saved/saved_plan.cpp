@@ -4,19 +4,17 @@
 #include "mesh/base/error.h"
 #include "planner/case/approach_file.h"
 #include "planner/case/case_io.h"
+#include "planner/case/checked_bytes.h"
 #include "planner/measures/provenance.h"
 #include "planner/plan/saved/metrics_archive.h"
 
 #include <cereal/archives/portable_binary.hpp>
-
-#include <boost/crc.hpp>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -34,13 +32,6 @@ namespace {
     constexpr std::string_view kEnding = ".plan";
 
     constexpr std::string_view kProgram = "retractor " RETRACTOR_VERSION;
-
-    std::uint32_t crc(std::string_view bytes)
-    {
-        boost::crc_32_type sum;
-        sum.process_bytes(bytes.data(), bytes.size());
-        return sum.checksum();
-    }
 
     std::string hexadecimal(std::uint32_t number)
     {
@@ -87,18 +78,6 @@ namespace {
         return content;
     }
 
-    /// Checks the mark and the sum, and leaves what was archived.
-    void strip_header(std::string& content, const fs::path& file)
-    {
-        constexpr std::size_t kHeader = kMark.size() + sizeof(std::uint32_t);
-        std::uint32_t sum = 0;
-        if (content.size() >= kHeader)
-            std::memcpy(&sum, content.data() + kMark.size(), sizeof sum);
-        if (content.size() < kHeader || crc(std::string_view(content).substr(kHeader)) != sum)
-            throw InputError("this saved plan is damaged: plan the approach again", file.string());
-        content.erase(0, kHeader);
-    }
-
 } // namespace
 
 std::string plan_inputs(const Case& planned_case, std::string_view approach)
@@ -119,7 +98,7 @@ fs::path plan_file(const Case& planned_case, std::string_view approach)
 {
     const std::string inputs = plan_inputs(planned_case, approach);
     const fs::path plain = approach_file(planned_case.file(), "plans", approach, "");
-    return plain.parent_path() / (plain.filename().string() + "-" + hexadecimal(crc(inputs)) + std::string(kEnding));
+    return plain.parent_path() / (plain.filename().string() + "-" + hexadecimal(crc32(inputs)) + std::string(kEnding));
 }
 
 void save_plan(const Case& planned_case, const PlannedField& field)
@@ -132,17 +111,12 @@ void save_plan(const Case& planned_case, const PlannedField& field)
             provenance_of(planned_case, std::string(kProgram), std::chrono::system_clock::now()).date);
         archive_field(archive, field);
     }
-    const std::string bytes = archived.str();
-    const std::uint32_t sum = crc(bytes);
-    std::string content(kMark);
-    content.append(reinterpret_cast<const char*>(&sum), sizeof sum);
-    content += bytes;
     const fs::path file = plan_file(planned_case, name);
     std::error_code code;
     fs::create_directories(file.parent_path(), code);
     if (code)
         throw IoError("cannot be made: " + code.message(), file.parent_path().string());
-    write_file_atomically(file, content);
+    write_file_atomically(file, with_sum(kMark, archived.str()));
     remove_oldest(file);
 }
 
@@ -155,11 +129,13 @@ std::optional<SavedPlan> read_saved_plan(const Case& planned_case, std::string_v
     std::error_code code;
     if (!fs::exists(file, code))
         return std::nullopt;
-    std::string content = content_of(file);
+    const std::string content = content_of(file);
     if (!content.starts_with(kMark) && content.starts_with("retractor plan "))
         return std::nullopt; // by another version
-    strip_header(content, file);
-    std::istringstream archived(std::move(content), std::ios::binary);
+    const std::optional<std::string_view> bytes = without_sum(kMark, content);
+    if (!bytes)
+        throw InputError("this saved plan is damaged: plan the approach again", file.string());
+    std::istringstream archived(std::string(*bytes), std::ios::binary);
     try {
         cereal::PortableBinaryInputArchive archive(archived);
         std::string inputs;

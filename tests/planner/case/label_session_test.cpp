@@ -1,6 +1,7 @@
 #include "planner/case/label_session.h"
 
 #include "mesh/base/error.h"
+#include "tests/planner/case/two_ribs.h"
 
 #include <gtest/gtest.h>
 
@@ -14,19 +15,7 @@ namespace label_session_test {
 
     const mesh::LabelFlags kNothingKept(mesh::kLabelCount, 0);
 
-    std::shared_ptr<const mesh::LabelVolume> image()
-    {
-        auto labels = std::make_shared<mesh::LabelVolume>();
-        labels->grid.size = { 20, 20, 20 };
-        labels->table = { { 1, "muscle", "muscle", mesh::Role::wall }, { 2, "rib_left_4", "bone", mesh::Role::wall },
-            { 3, "rib_left_5", "bone", mesh::Role::wall } };
-        labels->voxels.assign(labels->grid.voxel_count(), 1);
-        for (int i = 0; i < 20; ++i) {
-            labels->voxels[labels->grid.offset(i, 5, 5)] = 2;
-            labels->voxels[labels->grid.offset(i, 15, 5)] = 3;
-        }
-        return labels;
-    }
+    std::shared_ptr<const mesh::LabelVolume> image() { return test_support::two_ribs(); }
 
     Case planned()
     {

@@ -1,6 +1,7 @@
 #include "planner/case/unsaved_labels.h"
 
 #include "mesh/base/error.h"
+#include "tests/planner/case/two_ribs.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_help.h"
 
@@ -14,19 +15,7 @@
 namespace retractor::planner {
 namespace unsaved_labels_test {
 
-    std::shared_ptr<mesh::LabelVolume> image()
-    {
-        auto labels = std::make_shared<mesh::LabelVolume>();
-        labels->grid.size = { 20, 20, 20 };
-        labels->table = { { 1, "muscle", "muscle", mesh::Role::wall }, { 2, "rib_left_4", "bone", mesh::Role::wall },
-            { 3, "rib_left_5", "bone", mesh::Role::wall } };
-        labels->voxels.assign(labels->grid.voxel_count(), 1);
-        for (int i = 0; i < 20; ++i) {
-            labels->voxels[labels->grid.offset(i, 5, 5)] = 2;
-            labels->voxels[labels->grid.offset(i, 15, 5)] = 3;
-        }
-        return labels;
-    }
+    std::shared_ptr<mesh::LabelVolume> image() { return test_support::two_ribs(); }
 
     Case planned()
     {

@@ -48,6 +48,15 @@ namespace conference_window_test {
             window_.open(test_support::synthetic_case());
             test_support::wait_until_idle(window_);
         }
+        planner::Case open_on_disk(const std::filesystem::path& folder)
+        {
+            test_support::show_window(window_);
+            planner::Case planned_case = test_support::synthetic_case();
+            planned_case.folder = folder;
+            window_.open(planned_case);
+            test_support::wait_until_idle(window_);
+            return planned_case;
+        }
         void plan(const std::string& name)
         {
             window_.select(name);
@@ -156,11 +165,7 @@ namespace conference_window_test {
     TEST_F(ConferenceTest, ChoicesAndAnswersAreKept)
     {
         const test_support::TemporaryFolder folder;
-        test_support::show_window(window_);
-        planner::Case planned_case = test_support::synthetic_case();
-        planned_case.folder = folder.path;
-        window_.open(planned_case);
-        test_support::wait_until_idle(window_);
+        const planner::Case planned_case = open_on_disk(folder.path);
         plan("lateral");
         fill_next_dialog(window_, [](QDialog& dialog) {
             QPushButton* choose = button_of(dialog, "Choose");
@@ -254,11 +259,7 @@ namespace conference_window_test {
     TEST_F(ConferenceTest, ANamedViewIsAStepAndCanBeForgotten)
     {
         const test_support::TemporaryFolder folder;
-        test_support::show_window(window_);
-        planner::Case planned_case = test_support::synthetic_case();
-        planned_case.folder = folder.path;
-        window_.open(planned_case);
-        test_support::wait_until_idle(window_);
+        const planner::Case planned_case = open_on_disk(folder.path);
         plan("median");
         press(Qt::Key_2);
         Camera camera = window_.view().camera();

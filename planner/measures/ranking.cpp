@@ -175,6 +175,14 @@ namespace {
 
 std::span<const Criterion, kCriteria> criteria() { return kAllCriteria; }
 
+std::string weights_text(const Weights& weights)
+{
+    std::string text;
+    for (std::size_t n = 0; n < kCriteria; ++n)
+        text += (text.empty() ? "" : ", ") + std::string(criteria()[n].key) + " " + formatted("%g", weights[n]);
+    return text;
+}
+
 Weights default_weights()
 {
     Weights weights {};

@@ -40,6 +40,8 @@ std::span<const Criterion, kCriteria> criteria();
 
 using Weights = std::array<double, kCriteria>;
 Weights default_weights();
+/// "seen 3, instruments 2".
+std::string weights_text(const Weights& weights);
 
 /// Share of a value between the worst (0) and the best (1).
 double share_of(const Criterion& criterion, double value);

@@ -6,13 +6,13 @@
 #include "planner/approach/divided_bones.h"
 #include "planner/approach/neighbour_approaches.h"
 #include "planner/case/case_io.h"
+#include "planner/case/draft_case.h"
 #include "planner/case/patient.h"
 #include "planner/decision/decisions.h"
 #include "planner/plan/saved/saved_plan.h"
 #include "ui/cli/framework/open_case.h"
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/plan/comparison_text.h"
-#include "ui/cli/plan/draft_case.h"
 #include "ui/cli/plan/field_table.h"
 #include "ui/cli/plan/saved_plans.h"
 #include "ui/results/field_files.h"
@@ -122,7 +122,7 @@ namespace {
         if (group.approaches.size() < 2)
             return planned;
         if (draft)
-            make_draft(group);
+            planner::make_draft(group);
         const planner::PlanChecks checks { .error_bars = !draft, .draft = draft, .find_region = !draft };
         planner::check_plan(group, checks);
         planner::Patient patient(group, job);

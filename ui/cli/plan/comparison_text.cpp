@@ -112,7 +112,7 @@ namespace {
         const std::vector<planner::RankedField> order = ranking_of(fields, weights);
         if (order.empty())
             return {};
-        std::string text = "Score of 100 points (weights: " + weights_text(weights) + "):\n";
+        std::string text = "Score of 100 points (weights: " + planner::weights_text(weights) + "):\n";
         std::string unbeaten;
         for (std::size_t place = 0; place < order.size(); ++place) {
             const planner::RankedField& ranked = order[place];
@@ -194,15 +194,6 @@ Json comparison_document(const std::vector<ComparedField>& fields, const planner
     return document;
 }
 
-std::string weights_text(const planner::Weights& weights)
-{
-    std::string text;
-    for (std::size_t n = 0; n < planner::kCriteria; ++n)
-        text
-            += (text.empty() ? "" : ", ") + std::string(planner::criteria()[n].key) + " " + formatted("%g", weights[n]);
-    return text;
-}
-
 planner::Weights parse_weights(const std::vector<std::string>& changes)
 {
     planner::Weights weights = planner::default_weights();
@@ -213,7 +204,7 @@ planner::Weights parse_weights(const std::vector<std::string>& changes)
             planner::criteria(), [&](const planner::Criterion& criterion) { return criterion.key == key; });
         if (equals == std::string::npos || found == planner::criteria().end())
             throw InputError(
-                "a weight is CRITERION=NUMBER; the criteria are " + weights_text(weights), "--weights " + change);
+                "a weight is CRITERION=NUMBER; the criteria are " + planner::weights_text(weights), "--weights " + change);
         const double weight = parse_numbers(change.substr(equals + 1), 1, "--weights " + change).front();
         if (weight < 0.0)
             throw InputError("a weight is at least 0", "--weights " + change);

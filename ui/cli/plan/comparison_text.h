@@ -26,9 +26,6 @@ std::string comparison_text(const std::vector<ComparedField>& fields, const plan
 /// The same as a document: approaches, crisis check, measures and ranking.
 Json comparison_document(const std::vector<ComparedField>& fields, const planner::Weights& weights);
 
-/// "seen 3, instruments 2": the weights of the score.
-std::string weights_text(const planner::Weights& weights);
-
 /// Weights with the changes "seen=3". @throws InputError on an unknown criterion, a negative or no finite number, and
 /// where no weight is left
 planner::Weights parse_weights(const std::vector<std::string>& changes);

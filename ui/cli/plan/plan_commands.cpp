@@ -3,7 +3,6 @@
 #include "ui/cli/framework/number_range.h"
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/framework/staged_results.h"
-#include "ui/cli/plan/draft_case.h"
 #include "ui/cli/plan/field_table.h"
 #include "ui/cli/plan/saved_plans.h"
 #include "ui/results/field_files.h"
@@ -14,6 +13,7 @@
 #include "mesh/base/text_format.h"
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/approach/find_division.h"
+#include "planner/case/draft_case.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/plan.h"
 #include "planner/wall/parted_bones.h"
@@ -202,7 +202,7 @@ namespace {
         solution.near_mm = options.near_mm.value_or(solution.near_mm);
         if (options.draft) {
             const planner::ContactMode asked = planned_case.contact;
-            make_draft(planned_case);
+            planner::make_draft(planned_case);
             if (!options.contact.empty())
                 planned_case.contact = asked;
         }

@@ -3,9 +3,9 @@
 
 #include "planner/case/case.h"
 
-namespace retractor::ui::cli {
+namespace retractor::planner {
 
 /// Changes the case to one that is planned quickly: four-node elements on a coarse mesh, without contact.
-void make_draft(planner::Case& planned_case);
+void make_draft(Case& planned_case);
 
-} // namespace retractor::ui::cli
+} // namespace retractor::planner

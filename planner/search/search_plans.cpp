@@ -1,0 +1,249 @@
+#include "planner/search/search_plans.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
+#include "planner/approach/approach_draft.h"
+#include "planner/approach/divided_bones.h"
+#include "planner/case/case_io.h"
+#include "planner/case/draft_case.h"
+#include "planner/measures/verdict.h"
+#include "planner/plan/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace retractor::planner {
+
+namespace {
+
+    constexpr double kNarrowerShare = 2.0 / 3.0; ///< of the opening, in the second round
+
+    std::vector<FoundIncision> best_of(std::vector<FoundIncision> found, std::size_t count)
+    {
+        const auto sternum
+            = std::ranges::find(found, FoundIncision::Kind::sternum, [](const FoundIncision& one) { return one.kind; });
+        if (count > 1 && sternum != found.end() && sternum - found.begin() >= std::ptrdiff_t(count))
+            std::rotate(found.begin() + std::ptrdiff_t(count) - 1, sternum, sternum + 1);
+        return found;
+    }
+
+    /// Plans with what could not be solved, which may be opened less wide.
+    struct Round {
+        SearchPlans plans {};
+        std::vector<Proposal> unsolved {};
+    };
+
+    /// The reason why a plan is no proposal; empty: it is one.
+    std::string objection(const PlannedField& field, const IncisionSearch& search, double least_seen)
+    {
+        if (!is_measured(field))
+            return field.message;
+        if (std::string why = why_not_to_use(field.metrics); !why.empty())
+            return why;
+        const double seen = field.metrics.seen_best_eye * field.metrics.best_eye.bound_area_mm2
+            / std::max(search.largest_bound_mm2, field.metrics.best_eye.bound_area_mm2);
+        return seen < least_seen
+            ? "shows " + two_digits(100.0 * seen) + " % of what could be seen from anywhere with the wall removed ("
+                + two_digits(100.0 * field.metrics.seen_best_eye) + " % of what its own eyes could see)"
+            : std::string();
+    }
+
+    void add_plans(Round& round, std::vector<Proposal> proposals, std::vector<PlannedField> fields, Patient& patient,
+        const IncisionSearch& search, double least_seen)
+    {
+        for (std::size_t n = 0; n < fields.size(); ++n) {
+            Proposal& proposal = proposals[n];
+            if (const std::string why = objection(fields[n], search, least_seen); !why.empty()) {
+                round.plans.failed.push_back(proposal.words + ": " + why);
+                if (!is_measured(fields[n]) || !why_not_to_use(fields[n].metrics).empty())
+                    round.unsolved.push_back(std::move(proposal));
+                continue;
+            }
+            Candidate candidate { .field = std::move(fields[n].metrics),
+                .divided_bones = divided_bones(*patient.labels(), proposal.approach) };
+            round.plans.best_first.push_back({ std::move(proposal), std::move(candidate) });
+        }
+    }
+
+    Case case_with(Case group, const std::vector<Proposal>& proposals)
+    {
+        group.approaches.clear();
+        for (const Proposal& proposal : proposals)
+            add_approach(group, proposal.approach);
+        return group;
+    }
+
+    /// Plans all approaches. One that cannot be planned does not stop the others: its message tells why.
+    std::vector<PlannedField> plans_of(Patient& patient, const Job& job, const PlanChecks& checks)
+    {
+        try {
+            return plan_all(patient, job, checks);
+        } catch (const InputError&) { // one of them; the others follow one by one
+        } catch (const SolverError&) {
+        }
+        std::vector<PlannedField> fields;
+        for (const Approach& approach : patient.planned_case().approaches) {
+            if (job.cancelled())
+                break;
+            try {
+                fields.push_back(plan_approach(patient, approach, job, checks));
+            } catch (const Error& error) {
+                PlannedField failed;
+                failed.status = PlanStatus::nothing_to_mesh;
+                failed.message = error.what();
+                failed.approach = approach;
+                fields.push_back(std::move(failed));
+            }
+        }
+        return fields;
+    }
+
+    void add_planned(Round& round, const Case& group, std::vector<Proposal> proposals, const PlanChecks& checks,
+        const IncisionSearch& search, double least_seen, const Job& job)
+    {
+        check_plan(group, checks);
+        Patient patient(group, job);
+        std::vector<PlannedField> fields = plans_of(patient, job, checks);
+        if (job.cancelled())
+            round.plans.status = SearchStatus::cancelled;
+        else
+            add_plans(round, std::move(proposals), std::move(fields), patient, search, least_seen);
+    }
+
+    void add_drafts(Round& round, const Case& planned_case, std::vector<Proposal> proposals,
+        const IncisionSearch& search, double least_seen, const Job& job)
+    {
+        Case group = case_with(planned_case, proposals);
+        make_draft(group);
+        add_planned(
+            round, group, std::move(proposals), { .error_bars = false, .draft = true }, search, least_seen, job);
+    }
+
+    std::vector<RankedField> ranking_of(const SearchPlans& plans, const Weights& weights)
+    {
+        std::vector<Candidate> candidates;
+        for (const PlannedProposal& planned : plans.best_first)
+            candidates.push_back(planned.candidate);
+        return ranked(candidates, weights);
+    }
+
+    /// The best two opened less wide. Where fewer could be solved, the first that could not.
+    std::vector<Proposal> narrower(const Round& round, const SearchRequest& request)
+    {
+        constexpr std::size_t kVaried = 2;
+        std::vector<Proposal> wide;
+        for (const RankedField& ranked : ranking_of(round.plans, request.weights))
+            if (wide.size() < kVaried)
+                wide.push_back(round.plans.best_first[ranked.index].proposal);
+        for (const Proposal& unsolved : round.unsolved)
+            if (wide.size() < kVaried)
+                wide.push_back(unsolved);
+        std::vector<Proposal> proposals;
+        for (Proposal& proposal : wide) {
+            OpenedBy opened = opening_of(proposal.incision, request);
+            opened.opening_mm = std::round(kNarrowerShare * opened.opening_mm);
+            try {
+                proposal.approach = opened_by(std::move(proposal.approach), opened);
+            } catch (const InputError&) {
+                continue;
+            }
+            proposal.incision.opening_mm = opened.opening_mm;
+            proposal.approach.name += "_opened_" + in_words(opened.opening_mm) + "mm";
+            proposal.words += ", opened " + in_words(opened.opening_mm) + " mm";
+            proposals.push_back(std::move(proposal));
+        }
+        return proposals;
+    }
+
+    void sort_by_score(SearchPlans& plans, const Weights& weights)
+    {
+        std::vector<PlannedProposal> sorted;
+        for (const RankedField& ranked : ranking_of(plans, weights))
+            sorted.push_back(plans.best_first[ranked.index]);
+        plans.best_first = std::move(sorted);
+    }
+
+} // namespace
+
+std::vector<Proposal> proposals_of(Patient& patient, const IncisionSearch& search, const SearchRequest& request,
+    std::size_t count, std::vector<std::string>& refused)
+{
+    std::vector<Proposal> proposals;
+    Case names;
+    for (const FoundIncision& incision : best_of(search.found, count)) {
+        try {
+            Approach approach = approach_of(patient, incision, request);
+            approach.name = free_approach_name(names, approach.name);
+            names.approaches.push_back(approach);
+            proposals.push_back({ incision, std::move(approach), place_in_words(incision) });
+        } catch (const InputError& error) {
+            refused.push_back(place_in_words(incision) + ": " + error.what());
+        }
+    }
+    return proposals;
+}
+
+SearchPlans draft_plans(const Case& planned_case, const std::vector<Proposal>& proposals, std::size_t at_a_time,
+    const IncisionSearch& search, const SearchRequest& request, const Job& job)
+{
+    constexpr std::size_t kRounds = 3;
+    Round round;
+    SearchPlans& plans = round.plans;
+    const double least_seen = request.limits.least_seen;
+    for (std::size_t n = 0; n < kRounds && plans.best_first.empty() && plans.status == SearchStatus::done; ++n) {
+        const std::size_t first = std::min(n * at_a_time, proposals.size()),
+                          last = std::min(first + at_a_time, proposals.size());
+        if (first == last)
+            break;
+        add_drafts(round, planned_case,
+            { proposals.begin() + std::ptrdiff_t(first), proposals.begin() + std::ptrdiff_t(last) }, search, least_seen,
+            job);
+        if (plans.status == SearchStatus::cancelled)
+            break;
+        if (std::vector<Proposal> second = narrower(round, request); !second.empty())
+            add_drafts(round, planned_case, std::move(second), search, least_seen, job);
+        round.unsolved.clear();
+    }
+    sort_by_score(plans, request.weights);
+    return std::move(plans);
+}
+
+SearchPlans full_plans(const Case& planned_case, const SearchPlans& drafts, const IncisionSearch& search,
+    const SearchRequest& request, const Job& job)
+{
+    std::vector<Proposal> best;
+    for (std::size_t n = 0; n < std::min(kBestProposals, drafts.best_first.size()); ++n)
+        best.push_back(drafts.best_first[n].proposal);
+    const Case group = case_with(planned_case, best);
+    Round round;
+    add_planned(round, group, std::move(best), { .find_region = true }, search, request.limits.least_seen, job);
+    sort_by_score(round.plans, request.weights);
+    return std::move(round.plans);
+}
+
+std::vector<std::string> add_proposals(Case& planned_case, const std::vector<Proposal>& proposals)
+{
+    std::vector<std::string> names;
+    for (const Proposal& proposal : proposals) {
+        Approach approach = proposal.approach;
+        approach.name = free_approach_name(planned_case, approach.name);
+        names.push_back(approach.name);
+        add_approach(planned_case, std::move(approach));
+    }
+    return names;
+}
+
+std::string why_nothing_found(const IncisionSearch& search, const SearchRequest& request)
+{
+    const auto near = std::ranges::count_if(search.tried, [](const TriedPlace& place) { return place.near_risk; });
+    std::string text = "none of " + std::to_string(search.tried.size())
+        + " incisions is a proposal: " + std::to_string(near) + " lie within " + in_words(request.limits.from_risk_mm)
+        + " mm of a structure at risk, the others show less than " + in_words(100.0 * request.limits.least_seen)
+        + " % of the target";
+    for (const std::string& missing : search.missing)
+        text += (&missing == &search.missing.front() ? "; " : ", ") + missing;
+    return text;
+}
+
+} // namespace retractor::planner

@@ -10,6 +10,7 @@
 #include "planner/approach/approach_draft.h"
 #include "planner/approach/divided_bones.h"
 #include "planner/approach/incision_guide.h"
+#include "planner/approach/neighbour_approaches.h"
 #include "planner/decision/decisions.h"
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
@@ -24,6 +25,7 @@
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/verdict.h"
 #include "planner/measures/volume_failures.h"
+#include "planner/plan/saved/saved_plan.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/report_view/field_view.h"
@@ -364,6 +366,42 @@ Json write_metrics(const std::filesystem::path& folder, const planner::Provenanc
 
 namespace {
 
+    /// The plan of a neighbour: among the fields, or saved beside the case.
+    planner::ReportNeighbour report_neighbour(const planner::Case& planned_case,
+        const std::vector<planner::PlannedField>& fields, planner::NeighbourApproach neighbour)
+    {
+        planner::ReportNeighbour reported { .where = neighbour.where, .missing = neighbour.refused };
+        if (!neighbour.approach)
+            return reported;
+        reported.missing = "not planned";
+        const auto among = std::ranges::find_if(fields, [&](const planner::PlannedField& field) {
+            return planner::is_measured(field) && field.approach.name == neighbour.approach->name
+                && field.approach.incision == neighbour.approach->incision;
+        });
+        if (among != fields.end()) {
+            reported.field = among->metrics;
+        } else if (!planned_case.file().empty()) {
+            planner::Case alone = planned_case;
+            alone.approaches = { *neighbour.approach };
+            if (const auto saved = planner::read_saved_plan(alone, neighbour.approach->name))
+                reported.field = saved->field.metrics;
+        }
+        return reported;
+    }
+
+    std::vector<planner::ReportNeighbour> report_neighbours(
+        planner::Patient& patient, const std::vector<planner::PlannedField>& fields, const planner::Approach& approach)
+    {
+        std::vector<planner::ReportNeighbour> reported;
+        try {
+            for (planner::NeighbourApproach& neighbour : planner::neighbours_of(patient, approach))
+                reported.push_back(report_neighbour(patient.planned_case(), fields, std::move(neighbour)));
+        } catch (const Error& error) { // the page is written without what cannot be read
+            reported.push_back({ .where = "neighbours", .missing = error.what() });
+        }
+        return reported;
+    }
+
     /// Adds interactive views while the page stays small enough to be sent by mail.
     void add_views(planner::Report& report, planner::Patient& patient, const std::vector<planner::PlannedField>& fields)
     {
@@ -406,6 +444,7 @@ void write_field_report(const std::filesystem::path& file, planner::Patient& pat
             report.fields.push_back(field.metrics);
             report.divided_bones.push_back(planner::divided_bones(*labels, field.approach));
             report.landmarks.push_back(planner::theatre_sentences(patient, field.approach));
+            report.neighbours.push_back(report_neighbours(patient, fields, field.approach));
         }
     report.pictures = pictures;
     try {

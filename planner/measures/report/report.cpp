@@ -511,6 +511,7 @@ void write_report(const std::filesystem::path& path, const Report& report)
         write_bars(out, report.fields, metric_field(key));
     out << "</div>";
     write_ranking(out, report.fields, report.divided_bones);
+    write_neighbours(out, report.fields, report.neighbours);
     for (const FieldMetrics& field : report.fields)
         write_field(out, report, field);
     if (report.computed)

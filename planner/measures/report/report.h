@@ -3,6 +3,7 @@
 
 #include "planner/measures/field_metrics.h"
 #include "planner/measures/provenance.h"
+#include "planner/measures/report/neighbours_section.h"
 
 #include <filesystem>
 #include <optional>
@@ -33,6 +34,8 @@ struct Report {
     std::vector<std::vector<std::string>> divided_bones; ///< of each field (planner::divided_bones()); empty: not known
     /// Of each field: distances from landmarks to check in the theatre, in sentences; empty: not known.
     std::vector<std::vector<std::string>> landmarks {};
+    /// Of each field: the approaches beside it; empty: not known.
+    std::vector<std::vector<ReportNeighbour>> neighbours {};
     std::vector<std::string> refused; ///< approaches without numbers, and the reasons
     std::vector<ReportPicture> pictures;
     std::vector<ReportView> views {};

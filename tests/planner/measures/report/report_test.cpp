@@ -205,6 +205,36 @@ namespace report_test {
         EXPECT_EQ(content_of(path).find("<h2>Score</h2>"), std::string::npos) << "one alone has no place";
     }
 
+    TEST(Report, SetsNeighboursBesideAnApproach)
+    {
+        FieldMetrics field = sample_field("intercostal_4"), higher = field;
+        for (FieldMetrics* one : { &field, &higher }) {
+            one->mechanics_status = "converged";
+            one->error = ErrorBars {};
+        }
+        higher.seen_best_eye = 0.5 * field.seen_best_eye;
+        const fs::path path = fs::path(testing::TempDir()) / "neighbours.html";
+        Report report;
+        report.fields = { field };
+        report.neighbours = { { { .where = "one space higher", .field = higher },
+            { .where = "one space lower", .missing = "no voxel is labelled \"rib_left_9\"" } } };
+        write_report(path, report);
+        std::string page = content_of(path);
+        EXPECT_NE(page.find("<h2>One space higher or lower</h2>"), std::string::npos);
+        EXPECT_NE(page.find("<th>one space higher</th>"), std::string::npos);
+        EXPECT_NE(page.find("worse by more than both errors"), std::string::npos) << "half as much is seen";
+        EXPECT_NE(page.find("Without a plan: one space lower: no voxel is labelled &quot;rib_left_9&quot;."),
+            std::string::npos);
+        report.neighbours = { { { .where = "one space higher", .missing = "not planned" } } };
+        write_report(path, report);
+        page = content_of(path);
+        EXPECT_NE(page.find("Not planned for intercostal_4."), std::string::npos);
+        EXPECT_EQ(page.find("<th>one space higher</th>"), std::string::npos);
+        report.neighbours = { {} };
+        write_report(path, report);
+        EXPECT_EQ(content_of(path).find("One space higher"), std::string::npos);
+    }
+
     TEST(Metrics, ContactIsSaid)
     {
         FieldMetrics field = sample_field("median");

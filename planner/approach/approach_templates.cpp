@@ -6,6 +6,7 @@
 #include "mesh/base/text_format.h"
 #include "mesh/image/skeleton.h"
 #include "planner/anatomy/body_probe.h"
+#include "planner/approach/blade_sweep.h"
 #include "planner/approach/intercostal_space.h"
 #include "planner/approach/smooth_line.h"
 #include "planner/case/target_site.h"
@@ -135,26 +136,6 @@ namespace {
             text += " At " + std::to_string(omitted) + " of its " + std::to_string(approach.incision.size())
                 + " points no cavity lies near behind the wall, and the blade ends inside it.";
         return text;
-    }
-
-    /// The blade must not fold over itself: its lower edge runs forwards everywhere.
-    /// @returns the first place on the skin below which the blade folds
-    std::optional<Vec3> fold_of(const Approach& approach)
-    {
-        for (std::size_t n = 0; n + 1 < approach.incision.size(); ++n) {
-            const Vec3 step = approach.incision[n + 1] - approach.incision[n];
-            const Vec3 below = step + approach.depth_mm * (approach.directions[n + 1] - approach.directions[n]);
-            if (!(below.dot(step) > 0.0))
-                return approach.incision[n];
-        }
-        return std::nullopt;
-    }
-
-    void check_sweep(const Approach& approach)
-    {
-        if (const std::optional<Vec3> fold = fold_of(approach))
-            throw InputError("the blade folds over itself " + in_words(approach.depth_mm) + " mm below the skin near "
-                + in_words(*fold) + ": the skin bends too sharply there for this depth");
     }
 
     /// Unit directions square to the incision, turned from `inward` towards their common mean.

@@ -161,6 +161,20 @@ Vec3 place_on_slice(const SliceItem& slice, const Camera& camera, double across,
     return place;
 }
 
+std::vector<LineItem> mark_at(const Vec3& place, double half_length_mm)
+{
+    std::vector<LineItem> lines;
+    for (const SlicePlane plane : { SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal }) {
+        const Vec3 across = half_length_mm * Vec3::Unit(axis_across(plane));
+        lines.push_back({ .name = "mark",
+            .points = { place - across, place + across },
+            .color = color_of(plane),
+            .width_px = 3.0,
+            .on_top = true });
+    }
+    return lines;
+}
+
 bool is_linked_slice(const Scene& scene) { return scene.slices.size() == 1 && !scene.slices.front().oblique; }
 
 std::vector<Scene> slices_at(std::vector<Scene> scenes, const Vec3& point, const std::map<Label, std::string>& names)

@@ -39,6 +39,9 @@ Vec3 stepped(const SliceItem& slice, double planes);
 /// left corner. On a plane of the patient the place stays within the image. @pre the camera is parallel
 Vec3 place_on_slice(const SliceItem& slice, const Camera& camera, double across, double up, double aspect);
 
+/// A place in space as three short lines across the planes, in the planes' colours, drawn over everything.
+std::vector<LineItem> mark_at(const Vec3& place, double half_length_mm);
+
 /// Whether a scene is a slice that slices_at() moves.
 bool is_linked_slice(const Scene& scene);
 

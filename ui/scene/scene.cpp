@@ -118,6 +118,18 @@ namespace {
             check_color(color, where);
     }
 
+    void check_cut_away(const CutAway& cut)
+    {
+        const std::string where = "cut away";
+        constexpr double kUnit = 1e-6;
+        refuse(!cut.point.allFinite(), "the point of the plane is not finite", where);
+        refuse(!(std::abs(cut.kept.norm() - 1.0) < kUnit), "the direction must be a unit vector", where);
+        if (!cut.face)
+            return;
+        check_slice(*cut.face);
+        refuse(cut.face->labels == nullptr, "the slice on the plane has no labels", where);
+    }
+
     void check_camera(const Camera& camera)
     {
         const std::string where = "camera";
@@ -162,6 +174,8 @@ void check_scene(const Scene& scene)
         check_line(item);
     for (const SliceItem& item : scene.slices)
         check_slice(item);
+    if (scene.cut_away)
+        check_cut_away(*scene.cut_away);
     for (const TextItem& item : scene.words) {
         refuse(!item.position.allFinite(), "a text's place is not finite", "text " + item.text);
         check_color(item.color, "text " + item.text);

@@ -104,6 +104,14 @@ struct SliceItem {
     double pixel_mm = 0.0; ///< size of a sample, so that outlines are one pixel of a small view; 0: half a voxel
 };
 
+/// Of surfaces and volumes only what lies on one side of a plane is drawn.
+struct CutAway {
+    Vec3 point = Vec3::Zero();
+    Vec3 kept = Vec3::UnitY(); ///< unit, across the plane, to the side that is drawn
+    /// Drawn on the plane, where its labels are not 0. Its plane is that of the cut.
+    std::optional<SliceItem> face = std::nullopt;
+};
+
 /// A short text at a place in the patient, drawn over everything.
 struct TextItem {
     std::string text {};
@@ -133,6 +141,7 @@ struct Scene {
     std::vector<VolumeItem> volumes {};
     std::vector<LineItem> lines {};
     std::vector<SliceItem> slices {};
+    std::optional<CutAway> cut_away {};
     std::vector<TextItem> words {};
     std::vector<LegendLine> legend {};
     double legend_share = 0.34; ///< largest share of the view's width

@@ -169,6 +169,37 @@ namespace render_test {
             pixel(seen, 0.5, 0.5 - 0.5 * 45.0 / (400.0 * std::tan(std::numbers::pi / 12.0))), 0, 0, 255); // beside it
     }
 
+    TEST_F(Pictures, WhatIsCutAwayShowsTheInsideAndTheImageOnTheCut)
+    {
+        Scene scene = samples::box_scene({ -60, -60, -60 }, { 60, 60, 60 }, { 1, 0, 0 });
+        scene.surfaces.push_back(samples::unlit(samples::box_mesh({ -20, 20, -20 }, { 20, 40, 20 }), { 0, 0, 1 }));
+        expect_color(pixel(draw(scene), 0.5, 0.5), 255, 0, 0);
+        scene.cut_away = CutAway {}; // everything in front of y = 0
+        Image image = draw(scene);
+        expect_color(pixel(image, 0.5, 0.5), 0, 0, 255);
+        expect_color(pixel(image, 0.5, 0.4), 255, 0, 0); // the back of the box, beside the inner one
+        scene.cut_away->kept = -Vec3::UnitY();
+        expect_color(pixel(draw(scene), 0.5, 0.5), 255, 0, 0);
+
+        // The image on the cut: grey where there are labels, nothing elsewhere.
+        auto labels = std::make_shared<mesh::LabelVolume>();
+        labels->grid = { .size = { 12, 12, 12 }, .spacing = { 10, 10, 10 }, .origin = { -55, -55, -55 } };
+        auto ct = std::make_shared<mesh::Volume>();
+        ct->grid = labels->grid;
+        ct->voxels.assign(labels->grid.voxel_count(), 40);
+        for (int k = 0; k < 12; ++k)
+            for (int j = 0; j < 12; ++j)
+                for (int i = 0; i < 12; ++i)
+                    labels->voxels.push_back(i < 6 ? 1 : 0);
+        scene.cut_away = CutAway { .face
+            = SliceItem {
+                .image = ct, .plane = SlicePlane::coronal, .window_hu = 200.0, .level_hu = 40.0, .labels = labels } };
+        image = draw(scene);
+        constexpr int kMiddleGrey = 128, kInterpolated = 3;
+        expect_color(pixel(image, 0.45, 0.5), kMiddleGrey, kMiddleGrey, kMiddleGrey, kInterpolated);
+        expect_color(pixel(image, 0.53, 0.5), 0, 0, 255);
+    }
+
     TEST_F(Pictures, AHiddenShellRevealsTheInside)
     {
         const auto image = cube(250, 1500); // blood round bone

@@ -4,6 +4,7 @@
 #include "tests/ui/scene/sample_scenes.h"
 #include "ui/scene/linked_slices.h"
 #include "ui/scene/moving_scene.h"
+#include "ui/scene/pick.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/annotations.h"
 #include "ui/scene/vtk/identifier_picture.h"
@@ -406,6 +407,49 @@ namespace scene_test {
         picture.width = 100;
         picture.viewports[0].right = 0.0;
         EXPECT_THROW(check_picture(picture), InputError);
+    }
+
+    TEST(Pick, GivesTheNearestOfWhatIsShown)
+    {
+        Scene scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, {});
+        scene.surfaces[0].name = "body";
+        scene.surfaces.push_back(samples::unlit(samples::box_mesh({ -10, -10, -10 }, { 10, 10, 10 }, 7), {}));
+        scene.surfaces[1].name = "heart";
+        const Vec3 eye(1.0, -600.0, 2.0), ahead = Vec3::UnitY();
+        const auto skin = pick(scene, eye, ahead);
+        ASSERT_TRUE(skin);
+        EXPECT_EQ(skin->name, "body");
+        EXPECT_NEAR((skin->place - Vec3(1.0, -50.0, 2.0)).norm(), 0.0, kRoundOff);
+        EXPECT_FALSE(pick(scene, eye, -ahead)) << "behind the eye";
+        EXPECT_FALSE(pick(scene, { 0.0, -600.0, 60.0 }, ahead)) << "beside";
+        scene.surfaces[0].opacity = 0.2; // looked through
+        EXPECT_EQ(pick(scene, eye, ahead)->name, "heart");
+        EXPECT_EQ(pick(scene, eye, ahead)->label, 7);
+        scene.surfaces[0].opacity = 1.0;
+        scene.cut_away = CutAway { .point = { 0.0, 5.0, 0.0 } };
+        EXPECT_NEAR(pick(scene, eye, ahead)->place.y(), 10.0, kRoundOff) << "the front of the heart is cut away, too";
+    }
+
+    TEST(Pick, MeetsTheFaceOfTheCutWhereItHasLabels)
+    {
+        auto labels = std::make_shared<mesh::LabelVolume>();
+        labels->grid = { .size = { 3, 3, 3 }, .spacing = { 10, 10, 10 }, .origin = { -10, -10, -10 } };
+        labels->voxels.assign(27, 0);
+        labels->voxels[labels->grid.offset(1, 1, 1)] = 4;
+        auto image = std::make_shared<mesh::Volume>();
+        image->grid = labels->grid;
+        image->voxels.assign(27, 0);
+        Scene scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, {});
+        scene.cut_away
+            = CutAway { .face = SliceItem { .image = image, .plane = SlicePlane::coronal, .labels = labels } };
+        check_scene(scene);
+        const auto face = pick(scene, { 2.0, -600.0, 3.0 }, Vec3::UnitY());
+        ASSERT_TRUE(face);
+        EXPECT_EQ(face->label, 4);
+        EXPECT_NEAR((face->place - Vec3(2.0, 0.0, 3.0)).norm(), 0.0, kRoundOff);
+        const auto beside = pick(scene, { 8.0, -600.0, 3.0 }, Vec3::UnitY());
+        ASSERT_TRUE(beside);
+        EXPECT_NEAR(beside->place.y(), 50.0, kRoundOff) << "through the hole, to the back of the box";
     }
 
 } // namespace scene_test

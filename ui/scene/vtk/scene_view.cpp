@@ -6,10 +6,13 @@
 #include "ui/scene/vtk/slice_actor.h"
 #include "ui/scene/vtk/surface_actors.h"
 
+#include <vtkAbstractVolumeMapper.h>
 #include <vtkActor.h>
 #include <vtkCamera.h>
 #include <vtkCommand.h>
 #include <vtkLight.h>
+#include <vtkMapper.h>
+#include <vtkPlane.h>
 #include <vtkProperty.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
@@ -126,6 +129,8 @@ struct SceneView::State {
     std::array<double, 4> rectangle { 0.0, 0.0, 1.0, 1.0 };
     DrawingQuality quality = DrawingQuality::full;
     std::vector<SampledSlice> slices; ///< of the last scene, so that one that has not moved is not sampled again
+    std::vector<vtkSmartPointer<vtkAbstractMapper>> cut_mappers; ///< of what a plane cuts away
+    vtkSmartPointer<vtkActor> cut_face;
 
     int width() const
     {
@@ -147,15 +152,42 @@ struct SceneView::State {
         }
     }
 
+    void cut_away(const std::optional<CutAway>& cut)
+    {
+        for (const auto& mapper : cut_mappers)
+            mapper->RemoveAllClippingPlanes();
+        if (cut_face != nullptr)
+            main->RemoveActor(std::exchange(cut_face, nullptr));
+        if (!cut)
+            return;
+        auto plane = vtkSmartPointer<vtkPlane>::New();
+        plane->SetOrigin(cut->point.data());
+        plane->SetNormal(cut->kept.data());
+        for (const auto& mapper : cut_mappers)
+            mapper->AddClippingPlane(plane);
+        if (cut->face) {
+            cut_face = cut_face_actor(*cut->face);
+            main->AddActor(cut_face);
+        }
+    }
+
+    void add_surface(vtkRenderer& renderer, vtkActor* actor)
+    {
+        renderer.AddActor(actor);
+        cut_mappers.emplace_back(actor->GetMapper());
+    }
+
     void add_items(const Scene& scene)
     {
         bool translucent = false;
+        cut_mappers.clear();
+        cut_face = nullptr;
         for (const SurfaceItem& item : scene.surfaces) {
             if (item.opacity < 1.0 && !item.on_top)
                 translucent = true;
             else
                 for (const auto& actor : surface_actors(item))
-                    (item.on_top ? overlay : main)->AddActor(actor);
+                    add_surface(item.on_top ? *overlay : *main, actor);
         }
         // Translucent surfaces are added last, so that they blend over the opaque ones.
         for (const SurfaceItem& item : scene.surfaces)
@@ -163,7 +195,7 @@ struct SceneView::State {
                 for (const auto& actor : surface_actors(item)) {
                     if (quality == DrawingQuality::fast)
                         blend_at_once(*actor);
-                    main->AddActor(actor);
+                    add_surface(*main, actor);
                 }
         for (const LineItem& item : scene.lines)
             (item.on_top ? overlay : main)->AddActor(line_actor(item, window->GetSize()[1]));
@@ -175,8 +207,12 @@ struct SceneView::State {
             main->AddActor(sampled.back().actor);
         }
         slices = std::move(sampled);
-        for (const VolumeItem& item : scene.volumes)
-            main->AddVolume(volumes->volume(item));
+        for (const VolumeItem& item : scene.volumes) {
+            const vtkSmartPointer<vtkVolume> volume = volumes->volume(item);
+            main->AddVolume(volume);
+            cut_mappers.emplace_back(volume->GetMapper());
+        }
+        cut_away(scene.cut_away);
         main->SetUseDepthPeeling(translucent && quality == DrawingQuality::full ? 1 : 0);
         main->SetMaximumNumberOfPeels(4);
     }
@@ -258,6 +294,8 @@ void SceneView::set_camera(const Camera& camera)
     place_camera(vtk, camera);
     state_->main->ResetCameraClippingRange();
 }
+
+void SceneView::set_cut_away(const std::optional<CutAway>& cut_away) { state_->cut_away(cut_away); }
 
 Camera SceneView::camera() const
 {

@@ -29,6 +29,8 @@ public:
     /// @throws InputError as check_scene() does
     void show(const Scene& scene);
     void set_camera(const Camera& camera);
+    /// Moves the plane, or draws all again.
+    void set_cut_away(const std::optional<CutAway>& cut_away);
     Camera camera() const;
     vtkRenderer& renderer();
 

@@ -3,9 +3,13 @@
 #include "mesh/base/assert.h"
 
 #include <vtkActor.h>
+#include <vtkCellArray.h>
+#include <vtkFloatArray.h>
 #include <vtkImageData.h>
 #include <vtkPlaneSource.h>
 #include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
 #include <vtkTexture.h>
@@ -186,21 +190,86 @@ SliceImage sample_slice(const SliceItem& slice)
     return image;
 }
 
+namespace {
+
+    vtkSmartPointer<vtkTexture> texture_of(const SliceImage& image)
+    {
+        auto scalars = vtkSmartPointer<vtkUnsignedCharArray>::New();
+        scalars->SetNumberOfComponents(3);
+        scalars->SetNumberOfTuples(static_cast<vtkIdType>(image.rgb.size() / 3));
+        std::copy(image.rgb.begin(), image.rgb.end(), scalars->GetPointer(0));
+        auto data = vtkSmartPointer<vtkImageData>::New();
+        data->SetDimensions(image.columns, image.rows, 1);
+        data->GetPointData()->SetScalars(scalars);
+        auto texture = vtkSmartPointer<vtkTexture>::New();
+        texture->SetInputData(data);
+        texture->InterpolateOn();
+        texture->SetColorModeToDirectScalars();
+        return texture;
+    }
+
+    vtkSmartPointer<vtkActor> textured(vtkPolyDataMapper* mapper, const SliceImage& image)
+    {
+        auto actor = vtkSmartPointer<vtkActor>::New();
+        actor->SetMapper(mapper);
+        actor->SetTexture(texture_of(image));
+        actor->GetProperty()->SetLighting(false);
+        return actor;
+    }
+
+    /// One rectangle for every run of pixels of a row that have a label.
+    vtkSmartPointer<vtkPolyData> labelled_runs(const SliceImage& image, const std::vector<Label>& labels)
+    {
+        auto points = vtkSmartPointer<vtkPoints>::New();
+        auto places = vtkSmartPointer<vtkFloatArray>::New(); // in the texture
+        places->SetNumberOfComponents(2);
+        auto cells = vtkSmartPointer<vtkCellArray>::New();
+        const auto add_corner = [&](int column, int row) {
+            const Vec3 at = image.corner + (column - 0.5) * image.across + (row - 0.5) * image.upward;
+            places->InsertNextTuple2(
+                static_cast<double>(column) / image.columns, static_cast<double>(row) / image.rows);
+            cells->InsertCellPoint(points->InsertNextPoint(at.data()));
+        };
+        std::size_t pixel = 0;
+        for (int row = 0; row < image.rows; ++row)
+            for (int column = 0; column < image.columns;) {
+                const int first = column;
+                while (column < image.columns && labels[pixel] != 0) {
+                    ++column;
+                    ++pixel;
+                }
+                if (column == first) {
+                    ++column;
+                    ++pixel;
+                    continue;
+                }
+                cells->InsertNextCell(4);
+                add_corner(first, row);
+                add_corner(column, row);
+                add_corner(column, row + 1);
+                add_corner(first, row + 1);
+            }
+        auto data = vtkSmartPointer<vtkPolyData>::New();
+        data->SetPoints(points);
+        data->SetPolys(cells);
+        data->GetPointData()->SetTCoords(places);
+        return data;
+    }
+
+} // namespace
+
+vtkSmartPointer<vtkActor> cut_face_actor(const SliceItem& slice)
+{
+    RETRACTOR_ASSERT(slice.labels != nullptr);
+    const SliceImage image = sample_slice(slice);
+    auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
+    mapper->SetInputData(labelled_runs(image, sample_labels(slice, image)));
+    return textured(mapper, image);
+}
+
 vtkSmartPointer<vtkActor> slice_actor(const SliceItem& slice)
 {
     const SliceImage image = sample_slice(slice);
-    auto scalars = vtkSmartPointer<vtkUnsignedCharArray>::New();
-    scalars->SetNumberOfComponents(3);
-    scalars->SetNumberOfTuples(static_cast<vtkIdType>(image.rgb.size() / 3));
-    std::copy(image.rgb.begin(), image.rgb.end(), scalars->GetPointer(0));
-    auto data = vtkSmartPointer<vtkImageData>::New();
-    data->SetDimensions(image.columns, image.rows, 1);
-    data->GetPointData()->SetScalars(scalars);
-    auto texture = vtkSmartPointer<vtkTexture>::New();
-    texture->SetInputData(data);
-    texture->InterpolateOn();
-    texture->SetColorModeToDirectScalars();
-
     auto plane = vtkSmartPointer<vtkPlaneSource>::New();
     const Vec3 low = image.corner - 0.5 * image.across - 0.5 * image.upward;
     const Vec3 right = low + image.columns * image.across, top = low + image.rows * image.upward;
@@ -209,11 +278,7 @@ vtkSmartPointer<vtkActor> slice_actor(const SliceItem& slice)
     plane->SetPoint2(top.x(), top.y(), top.z());
     auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
     mapper->SetInputConnection(plane->GetOutputPort());
-    auto actor = vtkSmartPointer<vtkActor>::New();
-    actor->SetMapper(mapper);
-    actor->SetTexture(texture);
-    actor->GetProperty()->SetLighting(false);
-    return actor;
+    return textured(mapper, image);
 }
 
 } // namespace retractor::ui

@@ -23,5 +23,7 @@ struct SliceImage {
 /// Samples the plane at the image's finest spacing; black outside the image. Outlines are one pixel wide.
 SliceImage sample_slice(const SliceItem& slice);
 vtkSmartPointer<vtkActor> slice_actor(const SliceItem& slice);
+/// Only the parts of the slice whose labels are not 0. @pre the slice has labels
+vtkSmartPointer<vtkActor> cut_face_actor(const SliceItem& slice);
 
 } // namespace retractor::ui

@@ -4,8 +4,10 @@
 
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 #include "planner/case/patient.h"
 #include "planner/session/saved_cuts.h"
+#include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/tissue_colors.h"
 
 #include <chrono>
@@ -53,7 +55,7 @@ namespace {
         ui::Scene scene;
         scene.title = approach.name;
         ui::SurfaceItem skin;
-        skin.name = "skin";
+        skin.name = ui::kBodyName;
         skin.mesh = box(opened);
         skin.look = ui::tissue_look("skin");
         skin.smooth = false;
@@ -136,6 +138,22 @@ namespace {
         return slices;
     }
 
+    /// Across the middle of the incision, with the blade.
+    std::vector<ui::Scene> incision_slices(const planner::Approach& approach)
+    {
+        const Vec3 middle(approach.incision.front().x(), 0.0, 0.0);
+        ui::Scene scene;
+        scene.title = "across its middle";
+        scene.slices.push_back({ .image = ct(),
+            .point = middle + Vec3(0.0, 30.0, 0.0),
+            .oblique = ui::ObliqueSlice { .up = -Vec3::UnitY(), .half_width_mm = 60.0, .half_height_mm = 45.0 } });
+        scene.lines.push_back({ .name = std::string(ui::kCutName),
+            .points = { middle, middle + approach.depth_mm * approach.directions.front() },
+            .on_top = true });
+        scene.camera = ui::camera_for_slice(scene.slices.front(), 1.0);
+        return { scene };
+    }
+
 } // namespace
 
 planner::Case synthetic_case()
@@ -180,9 +198,11 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
     ui::PlanningBackend backend;
     backend.closed_pictures = [control](const planner::Approach& approach, const Job&) {
         ++control->closed_made;
-        return ui::ClosedPictures {
-            .patient = patient_scene(approach, false), .slices = slices(), .label_names = {}, .skin_under = front_under
-        };
+        return ui::ClosedPictures { .patient = patient_scene(approach, false),
+            .slices = slices(),
+            .incision_slices = incision_slices(approach),
+            .label_names = {},
+            .skin_under = front_under };
     };
     backend.patient_pictures = [control](const Job&) {
         ++control->closed_made;
@@ -192,6 +212,35 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
         pictures.patient.lines.clear();
         pictures.skin_under = front_under;
         return pictures;
+    };
+    backend.anatomy = [](const Job&) {
+        return std::vector<ui::SurfaceItem> { { .name = "heart",
+            .mesh = std::make_shared<const TriMesh>(planner::sphere_surface({ 40.0, kTargetDepthMm, 0.0 }, 15.0)),
+            .look = ui::organ_look("heart") } };
+    };
+    backend.search = [control](const planner::Case&, const planner::SearchRequest& request, const Job& job) {
+        ui::FoundProposals found;
+        job.report("solve", 0.5);
+        while (control->hold && !job.cancelled())
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        if (job.cancelled()) {
+            found.drafts.status = planner::SearchStatus::cancelled;
+            return found;
+        }
+        if (!request.limits.saw)
+            throw InputError("none of 7 incisions is a proposal");
+        for (const char* name : { "left_space_4_110mm", "sternum_180mm" }) {
+            planner::PlannedProposal planned { .candidate
+                = { .field = opened_field(synthetic_case().approaches.front()).metrics, .divided_bones = {} } };
+            planned.proposal.approach = synthetic_case().approaches.front();
+            planned.proposal.approach.name = name;
+            planned.proposal.approach.target = request.target;
+            planned.proposal.words = readable(name);
+            found.drafts.best_first.push_back(planned);
+        }
+        found.drafts.failed = { "left space 7: shows 2 % of what could be seen" };
+        found.map = { .width = 2, .height = 1, .rgb = { 255, 0, 0, 0, 255, 0 } };
+        return found;
     };
     backend.make_approach = [](const planner::Case& present, const planner::ApproachDraft& draft) {
         if (draft.template_name == "median")
@@ -212,6 +261,14 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
         moved.directions.assign(points.size(), Vec3::UnitY());
         return moved;
     };
+    backend.change_blade = [](const planner::Approach& approach, double depth_mm, const Vec3& inward) {
+        if (depth_mm < 5.0)
+            throw InputError("the blade goes 5 to 250 mm deep");
+        planner::Approach changed = approach;
+        changed.depth_mm = depth_mm;
+        changed.directions.assign(approach.incision.size(), inward.normalized());
+        return changed;
+    };
     backend.neighbours = [](const planner::Approach& approach) {
         planner::NeighbourApproach higher { .where = "one space higher", .approach = approach },
             lower { .where = "one space lower", .refused = "the lowest" };
@@ -227,6 +284,12 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
             .surroundings = {} };
         if (!control->cuts_folder.empty())
             input.setup.journal = planner::cuts_journal(control->cuts_folder / "case.json", approach.name);
+        input.look = [](const TriMesh& wall, const TriMesh&, const Job&) {
+            // Wider wounds show more: by the surface's lips alone.
+            return planner::SeenNow {
+                .seen_fraction = wall.triangles.empty() ? 0.0 : 0.25, .sampling_error = 0.02, .off_straight_deg = 12.0
+            };
+        };
         input.surroundings.title = approach.name + ": by hand";
         input.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };
         return input;

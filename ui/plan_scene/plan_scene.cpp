@@ -10,6 +10,7 @@
 #include "planner/measures/volume_failures.h"
 #include "planner/plan/wound_view.h"
 #include "planner/wall/unmeshed_wall.h"
+#include "ui/plan_scene/label_surfaces.h"
 #include "ui/scene/linked_slices.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/identifier_picture.h"
@@ -408,8 +409,11 @@ std::vector<Scene> incision_slice_scenes(planner::Patient& patient, const planne
         const Vec3 normal = slice.oblique->right.cross(slice.oblique->up);
         for (Vec3& p : points)
             p -= normal.dot(p - slice.point) * normal;
-        scene.lines.push_back(
-            { .name = "cut", .points = std::move(points), .color = kCutOnSlice, .width_px = 5.0, .on_top = true });
+        scene.lines.push_back({ .name = std::string(kCutName),
+            .points = std::move(points),
+            .color = kCutOnSlice,
+            .width_px = 5.0,
+            .on_top = true });
     };
     Vec3 middle = Vec3::Zero();
     for (const Vec3& p : approach.incision)
@@ -465,12 +469,27 @@ Picture slices_picture(planner::Patient& patient, const planner::Approach& appro
     return picture;
 }
 
+std::vector<SurfaceItem> anatomy_surfaces(planner::Patient& patient, const Job& job)
+{
+    std::vector<SurfaceItem> surfaces;
+    const auto labels = patient.labels();
+    for (SurfaceItem& item : label_surfaces(*labels, job)) {
+        const mesh::LabelInfo* const info = mesh::find_label(labels->table, item.name);
+        if (info == nullptr) // the body
+            continue;
+        item.look = organ_look(info->name, info->material);
+        item.name = name_in_picture(patient.planned_case(), info->name);
+        surfaces.push_back(std::move(item));
+    }
+    return surfaces;
+}
+
 Scene patient_scene(planner::Patient& patient)
 {
     Scene scene;
     scene.title = "patient";
     SurfaceItem body;
-    body.name = "body";
+    body.name = kBodyName;
     body.mesh = patient.body();
     body.look = tissue_look("skin");
     scene.surfaces.push_back(std::move(body));
@@ -495,7 +514,7 @@ Scene planning_scene(planner::Patient& patient, const planner::Approach& approac
     Scene scene;
     scene.title = planner::spoken_name(approach) + ": planned incision";
     SurfaceItem body;
-    body.name = "body";
+    body.name = kBodyName;
     body.mesh = patient.body();
     body.look = tissue_look("skin");
     body.opacity = 0.6;

@@ -18,8 +18,11 @@ namespace retractor::ui {
 std::map<Label, std::string> label_names(const planner::Case& planned_case);
 
 /// Names of surfaces in the scenes of a field.
-inline constexpr std::string_view kWallName = "chest wall", kBeyondName = "chest wall beyond the model",
-                                  kImageEndName = "end of the image";
+inline constexpr std::string_view kBodyName = "body", kWallName = "chest wall",
+                                  kBeyondName = "chest wall beyond the model", kImageEndName = "end of the image";
+
+/// Name of the line of the cut on slices along and across the incision.
+inline constexpr std::string_view kCutName = "cut";
 
 /// The boundary of the field's wall under a displacement of its vertices, as pictures draw it: labels of the body's
 /// layers, and no rim. Every displacement gives the same triangles.
@@ -58,6 +61,9 @@ std::vector<Scene> slice_scenes(planner::Patient& patient, const Vec3& point, co
 /// The slices of an approach side by side, through the target above and through the incision below, as view_picture()
 /// makes them for "slices"; no planned field is needed.
 Picture slices_picture(planner::Patient& patient, const planner::Approach& approach, int width, int height);
+
+/// Bones, targets and structures at risk as they lie in the CT, to be seen through the wall; see label_surfaces().
+std::vector<SurfaceItem> anatomy_surfaces(planner::Patient& patient, const Job& job = {});
 
 /// The patient without an approach, from the front and from outside.
 Scene patient_scene(planner::Patient& patient);

@@ -113,6 +113,7 @@ void MainWindow::make_view_actions(QMenu& menu)
     add_map("Tissues", QKeySequence("Ctrl+0"), std::nullopt);
     for (std::size_t i = 0; i < kFieldMaps.size(); ++i)
         add_map(kFieldMaps.at(i).words, QKeySequence("Ctrl+" + QString::number(i + 1)), kFieldMaps.at(i).kind);
+    make_look_actions(menu);
     opened_ = add_action(
         menu, "Opened", Qt::Key_O, "Switch between the opened field and the patient before the cut", [this] {
             model_->set_show_opened(opened_->isChecked());
@@ -159,13 +160,18 @@ void MainWindow::make_approach_actions(QMenu& menu)
     change_ = add_action(menu, "Target and opening…", Qt::Key_E, "Change the target, the retractor or the name",
         [this] { editor_->change_opening(); });
     site_ = add_action(menu, "Target here…", Qt::Key_T,
-        "Make the place where the slices meet the target: an anastomosis, a clamp, a neck, an annulus",
+        "Make the marked place, where the slices meet, the target: an anastomosis, a clamp, a neck, an annulus",
         [this] { editor_->choose_site(); });
     duplicate_ = add_action(menu, "Duplicate", QKeySequence("Ctrl+D"), "Add a copy", [this] { editor_->duplicate(); });
     neighbours_ = add_action(menu, "Add neighbours", Qt::Key_B,
         "Add the same approach one space higher and lower, and 20 mm along", [this] { editor_->add_neighbours(); });
+    search_ = add_action(menu, "Search…", QKeySequence("Ctrl+F"),
+        "Search for an incision that shows the target: which space, where, how long, or through the sternum",
+        [this] { search_incisions(); });
     remove_ = add_action(menu, "Remove", QKeySequence::Delete, "Remove this approach", [this] { editor_->remove(); });
     menu.addSeparator();
+    weights_ = add_action(menu, "Weights…", QKeySequence("Shift+W"),
+        "How much each criterion counts in the score of the comparison", [this] { change_weights(); });
     choose_ = add_action(menu, "Choose…", QKeySequence("Shift+C"),
         "Record that the team chooses this approach, and why", [this] { choose_approach(); });
     questions_ = add_action(menu, "Six questions…", QKeySequence("Shift+Q"),

@@ -14,10 +14,13 @@
 #include "ui/workstation/labels/label_editor.h"
 #include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/planning/metrics_panel.h"
+#include "ui/workstation/planning/search_dialog.h"
 #include "ui/workstation/start/case_folder.h"
+#include "ui/workstation/start/case_lock.h"
 #include "ui/workstation/start/import_dialog.h"
 #include "ui/workstation/start/recent_cases.h"
 #include "ui/workstation/start/start_page.h"
+#include "ui/workstation/view/banner.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/picture_view.h"
 #include "ui/workstation/view/theme.h"
@@ -25,11 +28,11 @@
 #include <QActionGroup>
 #include <QCloseEvent>
 #include <QCoreApplication>
+#include <QDialog>
 #include <QDragEnterEvent>
 #include <QDropEvent>
 #include <QFileDialog>
 #include <QGridLayout>
-#include <QHBoxLayout>
 #include <QInputDialog>
 #include <QLabel>
 #include <QMessageBox>
@@ -173,6 +176,9 @@ void MainWindow::make_panes()
     panel_ = new MetricsPanel;
     view_->on_drawing_error = [this] { show_error({ view_->drawing_errors(), "drawing" }); };
     view_->on_slice_point = [this](const Vec3& point) { move_slices(point); };
+    view_->on_space_click = [this](std::size_t scene, const planner::Ray& ray) { name_place(scene, ray); };
+    view_->on_handle = [this](const Vec3& place, bool last) { drag_blade(place, last); };
+    view_->on_cut_step = [this](double notches) { step_cut(notches); };
     view_->on_double_click = [this](std::size_t scene) { enlarge(scene); };
     view_->on_full_picture = [this](const QImage& picture) {
         if (!remembers_ || !model_ || !is_drawn_on(model_->shown_view()) || pictured_ == model_->planned_case().file())
@@ -198,21 +204,16 @@ void MainWindow::make_panes()
     panes->setStretchFactor(0, 0);
     panes->setStretchFactor(1, 1);
     panes->setStretchFactor(2, 0);
-    banner_ = new QWidget;
-    banner_->setStyleSheet("background: #7a2a2a; color: white;");
-    auto* banner_row = new QHBoxLayout(banner_);
-    banner_text_ = plain_label();
-    auto* again = new QPushButton("Try again");
-    banner_button_ = again;
-    connect(again, &QPushButton::clicked, this, [this] { save_case(changed_by_others_); });
-    banner_row->addWidget(banner_text_, 1);
-    banner_row->addWidget(again);
-    banner_->hide();
+    not_saved_banner_ = new Banner("#7a2a2a");
+    not_saved_banner_->on_button = [this] { save_case(changed_by_others_); };
+    looking_banner_ = new Banner("#2a4a6a");
+    looking_banner_->on_button = [this] { open_file(model_->planned_case().file()); };
     auto* page = new QWidget;
     auto* column = new QVBoxLayout(page);
     column->setContentsMargins(0, 0, 0, 0);
     column->setSpacing(0);
-    column->addWidget(banner_);
+    column->addWidget(not_saved_banner_);
+    column->addWidget(looking_banner_);
     column->addWidget(panes, 1);
     conference_bar_ = new ConferenceBar;
     conference_bar_->hide();
@@ -265,7 +266,11 @@ void MainWindow::make_editor()
     };
     editor_->on_state = [this] { show_all(); };
     editor_->on_message = [this](const QString& text) { show_message(text); };
-    editor_->on_failure = [this](const Failure& failure) { show_error(with_controls(failure)); };
+    editor_->on_failure = [this](const Failure& failure) {
+        show_error(with_controls(failure));
+        if (model_ && model_->view() == ViewPreset::incision)
+            reset_view(); // a refused blade goes back
+    };
 }
 
 void MainWindow::make_labels()
@@ -538,7 +543,7 @@ void MainWindow::show_knife()
     } else {
         knife_->leave();
     }
-    knife_action_->setEnabled(model_ && model_->selected());
+    knife_action_->setEnabled(model_ && model_->selected() && !only_looks());
     line_action_->setEnabled(knife_action_->isEnabled());
     knife_action_->setChecked(knife_->mode() == KnifeMode::freehand);
     hook_action_->setEnabled(knife_action_->isEnabled());
@@ -654,13 +659,19 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     backend_ = factory_(planned_case);
     const std::size_t grey_window = model_ ? model_->grey_window() : 0;
     const LabelLook label_look = model_ ? model_->label_look() : LabelLook::filled;
+    const WallLook wall_look = model_ ? model_->wall_look() : WallLook::solid;
+    if (search_dialog_ != nullptr)
+        search_dialog()->abandon();
     editor_->set_case(nullptr, {});
+    const bool is_same = model_ && model_->planned_case().file() == planned_case.file();
     model_ = std::make_unique<SessionModel>(std::move(planned_case));
+    if (!is_same || only_looks())
+        lock_case();
     editor_->set_case(model_.get(), backend_);
     labels_->set_case(model_->planned_case(), backend_.labels);
     read_decisions();
     saving_executor_.post([this, read_at](const Job&) { case_time_ = read_at; });
-    not_saved_.clear();
+    show_not_saved({}, false);
     if (remembers_) {
         remember_case(model_->planned_case().file());
         pictured_.clear();
@@ -668,6 +679,8 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     model_->set_view(view);
     model_->set_grey_window(grey_window);
     model_->set_label_look(label_look);
+    model_->set_wall_look(wall_look);
+    make_anatomy();
     const planner::Case& shown = model_->planned_case();
     const std::filesystem::path name = shown.file_name == planner::kCaseFileName
         ? shown.folder.filename()
@@ -679,7 +692,28 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     show_all();
     if (labels_tab_open())
         tabs_->setCurrentWidget(panel_); // the mouse turns the picture of the new case
-    labels_->mention_unsaved();
+    if (!only_looks())
+        labels_->mention_unsaved();
+}
+
+bool MainWindow::only_looks() const { return lock_ && !lock_->is_mine(); }
+
+/// Takes the open case for this window, or says which window has it.
+void MainWindow::lock_case()
+{
+    lock_.reset(); // before another is taken: it may be of the same case
+    const std::filesystem::path file = model_->planned_case().file();
+    if (!file.empty())
+        lock_ = std::make_unique<CaseLock>(file);
+    if (!only_looks())
+        return looking_banner_->say({});
+    const std::string lock_name = CaseLock::file_of(file).filename().string();
+    looking_banner_->say(
+        QString::fromStdString("Another window " + lock_->holder()
+            + " has this case open. Here you can look at it and plan it, but not change it. Close the other window, "
+              "then look again. If its computer has failed, delete the file "
+            + lock_name + " beside the case."),
+        "Look again");
 }
 
 void MainWindow::close_case()
@@ -692,6 +726,8 @@ void MainWindow::close_case()
     knife_->abandon();
     cancel_planning();
     knife_->clear();
+    if (search_dialog_ != nullptr)
+        search_dialog()->abandon();
     editor_->set_case(nullptr, {});
     labels_->set_case({}, {});
     ++generation_;
@@ -701,7 +737,9 @@ void MainWindow::close_case()
     backend_ = {};
     shown_ = {};
     view_->show_scenes({});
-    not_saved_.clear();
+    show_not_saved({}, false);
+    lock_.reset();
+    looking_banner_->say({});
     setWindowTitle("Retractor");
     clear_error();
     if (remembers_)
@@ -741,10 +779,10 @@ void MainWindow::show_not_saved(const std::string& reason, bool changed_by_other
 {
     not_saved_ = reason;
     changed_by_others_ = changed_by_others;
-    banner_text_->setText(
-        QString::fromStdString("The approaches are not saved, and are lost when the window is closed. " + reason));
-    banner_button_->setText(changed_by_others ? "Overwrite it" : "Try again");
-    banner_->setVisible(!reason.empty());
+    not_saved_banner_->say(reason.empty()
+            ? QString()
+            : QString::fromStdString("The approaches are not saved, and are lost when the window is closed. " + reason),
+        changed_by_others ? "Overwrite it" : "Try again");
 }
 
 /// Called on the reading executor's thread.
@@ -890,7 +928,8 @@ void MainWindow::cancel_work()
 bool MainWindow::idle() const
 {
     return reading_ == 0 && saving_ == 0 && closed_running_ == 0 && plans_running_ == 0 && exports_running_ == 0
-        && knife_->idle() && editor_->idle() && labels_->idle();
+        && knife_->idle() && editor_->idle() && labels_->idle()
+        && (search_dialog_ == nullptr || search_dialog()->idle());
 }
 
 void MainWindow::hand_out_work()
@@ -1041,6 +1080,12 @@ void MainWindow::show_actions()
     confer_->setChecked(in_conference());
     grey_windows_->actions().at(static_cast<int>(model_ ? model_->grey_window() : 0))->setChecked(true);
     const bool compares = model_ && model_->shown_view() == ViewPreset::compare;
+    wall_looks_->setEnabled(model_ != nullptr);
+    wall_looks_->actions().at(model_ ? static_cast<int>(model_->wall_look()) : 0)->setChecked(true);
+    cut_sides_->setEnabled(model_ && model_->can_cut_away());
+    for (QAction* action : cut_sides_->actions())
+        action->setChecked(
+            action->data().toInt() == (model_ && model_->cut_side() ? static_cast<int>(*model_->cut_side()) : -1));
     linked_->setEnabled(compares);
     keep_view_->setEnabled(any && is_drawn_on(model_->shown_view()) && shown_.pictures != nullptr
         && !model_->planned_case().file().empty() && knife_->scene() == nullptr);
@@ -1056,6 +1101,8 @@ void MainWindow::show_actions()
     close_case_->setEnabled(model_ != nullptr);
     palpate_->setEnabled(model_ != nullptr && static_cast<bool>(on_palpable));
     new_approach_->setEnabled(model_ != nullptr);
+    search_->setEnabled(model_ != nullptr && backend_.search != nullptr);
+    weights_->setEnabled(model_ != nullptr);
     measure_->setEnabled(model_ && shown_.pictures != nullptr && !knife_tab_open() && !labels_tab_open()
         && !editor_->drawing() && !compares);
     correct_->setEnabled(model_ && model_->view_available(ViewPreset::slices));
@@ -1068,9 +1115,14 @@ void MainWindow::show_actions()
     questions_->setEnabled(any);
     for (QAction* action : { change_, duplicate_, neighbours_, remove_, choose_ })
         action->setEnabled(any && !editor_->drawing());
-    site_->setEnabled(
-        any && model_->view() == ViewPreset::slices && model_->slice_place().has_value() && !editor_->drawing());
-    banner_->setVisible(!not_saved_.empty());
+    site_->setEnabled(any && model_->slice_place().has_value() && !editor_->drawing()
+        && (model_->view() == ViewPreset::slices || model_->shown_state().slice_point));
+    if (only_looks())
+        for (QAction* action : { new_approach_, search_, draw_, move_, change_, site_, duplicate_, neighbours_, remove_,
+                 choose_, questions_, correct_, keep_view_, forget_view_ })
+            action->setEnabled(false);
+    for (QWidget* tab : { static_cast<QWidget*>(knife_panel_), static_cast<QWidget*>(label_panel_) })
+        tabs_->setTabEnabled(tabs_->indexOf(tab), !only_looks());
 }
 
 void MainWindow::show_picture()
@@ -1093,6 +1145,7 @@ void MainWindow::show_picture()
         shown_ = std::move(source);
         show_linked();
         view_->show_scenes(std::move(scenes));
+        view_->set_handle(blade_handle());
         show_kept_view();
     } catch (...) {
         show_error(with_controls(current_failure()));
@@ -1130,7 +1183,7 @@ void MainWindow::move_slices(const Vec3& point)
     if (!slices_shown())
         return;
     model_->set_slice_point(point);
-    show_slices();
+    show_place();
 }
 
 void MainWindow::set_measuring(bool on)

@@ -12,6 +12,7 @@
 #include "ui/workstation/planning/session_model.h"
 
 #include <QMainWindow>
+#include <QPointer>
 #include <QTimer>
 
 #include <filesystem>
@@ -22,6 +23,7 @@
 
 class QAction;
 class QActionGroup;
+class QDialog;
 class QGridLayout;
 class QLabel;
 class QMenu;
@@ -38,11 +40,14 @@ struct Palpable;
 namespace retractor::ui {
 
 class ApproachList;
+class Banner;
+class CaseLock;
 class ConferenceBar;
 class LabelEditor;
 class LabelPanel;
 class MetricsPanel;
 class PictureView;
+class SearchDialog;
 class StartPage;
 
 class MainWindow : public QMainWindow {
@@ -114,8 +119,12 @@ public:
     ApproachEditor& editor() { return *editor_; }
     LabelEditor& label_editor() { return *labels_; }
     LabelPanel& label_panel() { return *label_panel_; }
+    /// The open dialog that searches for an incision; null: there is none.
+    SearchDialog* search_dialog() const;
     StartPage& start_page() { return *start_page_; }
     bool start_page_shown() const;
+    /// Whether another window changes the case, so that this one only looks at it.
+    bool only_looks() const;
     /// Why the case is not saved, as the banner says it; empty: it is.
     std::string not_saved() const { return not_saved_; }
     /// The error in the status line; empty: none.
@@ -161,6 +170,8 @@ private:
     void renew_steps();
     void show_frame(bool shown); ///< menus, tool bar, panes and status line
 
+    void search_incisions();
+    void change_weights();
     void choose_approach();
     void ask_questions();
     /// Reads the decisions again, changes them and writes them, in the background.
@@ -168,6 +179,18 @@ private:
     void read_decisions();
     void enlarge(std::size_t scene);
     void set_label_look(LabelLook look);
+    // main_look.cpp
+    void make_look_actions(QMenu& menu);
+    void set_wall_look(WallLook look);
+    void next_wall_look();
+    void set_cut_side(std::optional<CutSide> side);
+    void next_cut_side();
+    void make_anatomy();
+    void show_space_again(); ///< pictures in space anew, each from where it is seen now
+    void show_place(); ///< the marked place has moved
+    void step_cut(double notches);
+    void name_place(std::size_t scene, const planner::Ray& ray);
+
     void set_map(std::optional<FieldMapKind> map);
     void open_manual();
     bool labels_tab_open() const;
@@ -186,6 +209,7 @@ private:
     void redo();
     /// Writes the case. @param over_others also where another program has changed the file meanwhile
     void save_case(bool over_others = false);
+    void lock_case();
     void show_not_saved(const std::string& reason, bool changed_by_others);
     /// Asks before a plan that is being calculated, or approaches that could not be saved, are lost.
     /// @return whether to go on
@@ -230,6 +254,9 @@ private:
     void set_grey_window(std::size_t index);
     bool slices_shown() const;
     void show_slices();
+    /// The end of the blade on the slice across the incision, and its drag.
+    std::optional<SliceHandle> blade_handle() const;
+    void drag_blade(const Vec3& place, bool last);
     void show_actions();
     void show_undo();
     void show_start_page();
@@ -258,9 +285,9 @@ private:
 
     QStackedWidget* pages_ = nullptr;
     StartPage* start_page_ = nullptr;
-    QWidget* banner_ = nullptr; ///< over the picture, while the case is not saved
-    QLabel* banner_text_ = nullptr;
-    QPushButton* banner_button_ = nullptr;
+    Banner* not_saved_banner_ = nullptr;
+    Banner* looking_banner_ = nullptr; ///< while another window changes the case
+    std::unique_ptr<CaseLock> lock_; ///< of the open case; null: it has no file
     bool changed_by_others_ = false; ///< the case is not saved, because another program has changed it
     ApproachList* list_ = nullptr;
     QGridLayout* approach_buttons_ = nullptr;
@@ -281,17 +308,20 @@ private:
             *undo_ = nullptr, *redo_ = nullptr;
     QAction *new_approach_ = nullptr, *draw_ = nullptr, *move_ = nullptr, *finish_ = nullptr, *change_ = nullptr,
             *site_ = nullptr, *duplicate_ = nullptr, *neighbours_ = nullptr, *remove_ = nullptr, *choose_ = nullptr,
-            *questions_ = nullptr, *close_case_ = nullptr;
+            *questions_ = nullptr, *close_case_ = nullptr, *search_ = nullptr, *weights_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *compare_ = nullptr,
             *measure_ = nullptr, *correct_ = nullptr, *confer_ = nullptr, *linked_ = nullptr, *reset_view_ = nullptr;
-    QActionGroup *label_looks_ = nullptr, *presenter_keys_ = nullptr, *maps_ = nullptr;
+    QActionGroup *label_looks_ = nullptr, *presenter_keys_ = nullptr, *maps_ = nullptr, *wall_looks_ = nullptr,
+                 *cut_sides_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
             *palpate_ = nullptr, *movie_ = nullptr, *report_ = nullptr, *keep_view_ = nullptr, *forget_view_ = nullptr;
     QLabel* message_ = nullptr;
     QProgressBar* progress_ = nullptr;
     QPushButton* cancel_button_ = nullptr;
     QTimer progress_timer_;
+    QTimer mark_timer_; ///< until a moved mark is drawn
+    QPointer<QDialog> search_dialog_; ///< a SearchDialog
     std::unique_ptr<ApproachEditor> editor_;
     std::unique_ptr<PictureTool> measure_tool_;
     bool measuring_ = false; ///< the mouse measures

@@ -11,6 +11,7 @@
 #include "planner/case/case_io.h"
 #include "planner/case/import_case.h"
 #include "planner/palpation/palpable.h"
+#include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/arrange_scenes.h"
 #include "ui/scene/linked_slices.h"
 #include "ui/scene/tissue_colors.h"
@@ -23,6 +24,7 @@
 #include <gtest/gtest.h>
 
 #include <QAbstractButton>
+#include <QAction>
 #include <QApplication>
 #include <QMessageBox>
 #include <QMouseEvent>
@@ -128,6 +130,94 @@ namespace main_window_test {
         EXPECT_TRUE(window_.idle());
         open_synthetic();
         EXPECT_EQ(window_.approach_list().count(), 3);
+    }
+
+    TEST_F(MainWindowTest, WLooksThroughTheWallAndAClickSaysWhatIsThere)
+    {
+        open_synthetic();
+        window_.set_view(ViewPreset::overview);
+        test_support::wait_until_idle(window_);
+        const auto has = [&](std::string_view name) {
+            const std::vector<SurfaceItem>& items = window_.view().scenes().front().surfaces;
+            return std::any_of(items.begin(), items.end(), [&](const SurfaceItem& item) { return item.name == name; });
+        };
+        const int behind_skin = target_pixels(window_.view().picture());
+        EXPECT_FALSE(has("heart"));
+        press(Qt::Key_W);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(window_.model()->wall_look(), WallLook::see_through);
+        EXPECT_TRUE(has("heart"));
+        constexpr int kOfATarget = 500;
+        EXPECT_GT(target_pixels(window_.view().picture()), behind_skin + kOfATarget);
+
+        const auto click_at = [&](const Vec3& place) {
+            QTest::mouseClick(&window_.view(), Qt::LeftButton, {}, window_.view().shown_at(place)->toPoint());
+            QTest::qWait(QApplication::doubleClickInterval() + 10); // two clicks are no double click
+        };
+        const Vec3 target(0.0, 50.0, 0.0); // the sphere's middle, 20 mm deep in it
+        click_at(target);
+        EXPECT_EQ(window_.message_line().rfind("Target. T makes this place the target", 0), 0U)
+            << window_.message_line();
+        ASSERT_TRUE(window_.model()->slice_place());
+        EXPECT_NEAR((*window_.model()->slice_place() - target).norm(), 20.0, 2.0);
+        const auto is_mark = [](const LineItem& line) { return line.name == "mark"; };
+        ASSERT_TRUE(QTest::qWaitFor(
+            [&] {
+                const auto& lines = window_.view().scenes().front().lines;
+                return std::count_if(lines.begin(), lines.end(), is_mark) == 3;
+            },
+            test_support::kPatienceMs));
+        // A turn is no click.
+        press(Qt::Key_R); // measuring says what to do, and its end nothing
+        press(Qt::Key_Escape);
+        QTest::mousePress(&window_.view(), Qt::LeftButton, {}, { 200, 200 });
+        QMouseEvent move(QEvent::MouseMove, QPoint(260, 220), Qt::NoButton, Qt::LeftButton, Qt::NoModifier);
+        QCoreApplication::sendEvent(&window_.view(), &move);
+        QTest::mouseRelease(&window_.view(), Qt::LeftButton, {}, { 260, 220 });
+        EXPECT_EQ(window_.message_line(), "");
+
+        press(Qt::Key_W);
+        EXPECT_FALSE(has(kBodyName));
+        press(Qt::Key_W);
+        EXPECT_EQ(window_.model()->wall_look(), WallLook::solid);
+        EXPECT_TRUE(has(kBodyName));
+        EXPECT_FALSE(has("heart"));
+    }
+
+    TEST_F(MainWindowTest, ThePatientIsCutAwayUpToTheSlices)
+    {
+        open_synthetic();
+        window_.set_view(ViewPreset::slices);
+        test_support::wait_until_idle(window_);
+        for (QAction* action : window_.findChildren<QAction*>())
+            if (action->text() == "The front")
+                action->trigger();
+        test_support::wait_until_idle(window_);
+        const auto cut = [&] { return window_.view().scenes().back().cut_away; };
+        ASSERT_TRUE(cut());
+        EXPECT_TRUE(cut()->face) << "the CT lies on the cut";
+        EXPECT_EQ(cut()->point, *window_.model()->slice_place());
+        window_.view().on_slice_point({ 0.0, 40.0, 0.0 });
+        EXPECT_EQ(cut()->point.y(), 40.0) << "the cut follows the slices";
+        window_.set_view(ViewPreset::overview);
+        test_support::wait_until_idle(window_);
+        const auto wheel = [&](Qt::KeyboardModifiers with) {
+            const QPointF at(window_.view().width() / 2, window_.view().height() / 2);
+            QWheelEvent event(at, window_.view().mapToGlobal(at.toPoint()), {}, { 0, 120 }, Qt::NoButton, with,
+                Qt::NoScrollPhase, false);
+            QCoreApplication::sendEvent(&window_.view(), &event);
+        };
+        wheel(Qt::ShiftModifier);
+        EXPECT_EQ(cut()->point.y(), 45.0);
+        const double distance = (window_.view().camera().eye - window_.view().camera().aim).norm();
+        wheel(Qt::NoModifier);
+        EXPECT_EQ(cut()->point.y(), 45.0);
+        EXPECT_LT((window_.view().camera().eye - window_.view().camera().aim).norm(), distance) << "this zooms";
+        EXPECT_GT(distinct_colours(window_.view().picture()), kColoursOfAPicture);
+        for (QAction* action : window_.findChildren<QAction*>())
+            if (action->text() == "Nothing")
+                action->trigger();
+        EXPECT_FALSE(cut());
     }
 
     TEST_F(MainWindowTest, ListsTheApproachesAndShowsTheClosedPatient)

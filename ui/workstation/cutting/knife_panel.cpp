@@ -189,12 +189,23 @@ KnifePanel::KnifePanel(QWidget* parent)
     column->addLayout(make_buttons());
     column->addWidget(make_cut_list(), 1);
     column->addWidget(make_hooks());
+    sight_ = plain_label("color: white;");
+    column->addWidget(sight_);
     state_ = plain_label(kFaint);
     column->addWidget(state_);
     for (QDoubleSpinBox* box : { depth_, yield_ })
         box->installEventFilter(this);
     show_snapshot(nullptr, 0.0);
 }
+
+void KnifePanel::show_sight(const QString& text)
+{
+    if (sight_->text() != text)
+        sight_->setText(text);
+    sight_->setVisible(!text.isEmpty());
+}
+
+QString KnifePanel::sight_text() const { return sight_->text(); }
 
 QFormLayout* KnifePanel::make_settings()
 {

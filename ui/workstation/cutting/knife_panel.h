@@ -35,6 +35,9 @@ public:
     void offer_case_tension(double strain);
     /// @param snapshot null: there is no session
     void show_snapshot(const planner::SurgerySnapshot* snapshot, double draw_ms);
+    /// What is seen of the target through the wound; empty: nothing is known.
+    void show_sight(const QString& text);
+    QString sight_text() const; ///< text on the panel
 
     // Set by the owner; called when something is pressed or set.
     std::function<void(planner::surgery::Command)> on_command;
@@ -82,7 +85,7 @@ private:
     QLabel* question_text_ = nullptr;
     QPushButton *restore_ = nullptr, *discard_ = nullptr;
     QPushButton *undo_ = nullptr, *redo_ = nullptr, *export_ = nullptr;
-    QLabel* state_ = nullptr;
+    QLabel *state_ = nullptr, *sight_ = nullptr;
     QSlider* opening_ = nullptr;
     QLabel* opening_text_ = nullptr;
     bool by_share_ = false; ///< the slider shows per cent of the plan instead of mm

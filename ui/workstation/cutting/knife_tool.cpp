@@ -120,6 +120,10 @@ KnifeTool::KnifeTool(PictureView& view, KnifePanel& panel)
         view_.setFocus(); // takes the focus from the buttons, for looking and undoing
     };
     panel_.on_command = [this](planner::surgery::Command command) { run(std::move(command)); };
+    constexpr int kAgeMs = 500;
+    age_timer_.setInterval(kAgeMs);
+    connect(&age_timer_, &QTimer::timeout, this, [this] { panel_.show_sight(sight_.text()); });
+    sight_.on_change = [this] { panel_.show_sight(sight_.text()); };
 }
 
 KnifeTool::~KnifeTool()
@@ -141,11 +145,14 @@ void KnifeTool::set_up(std::size_t approach, std::function<SurgeryInput(const Jo
     if (session.worker == nullptr || session.snapshot->phase == planner::SurgerySnapshot::Phase::failed) {
         session.snapshot = std::make_shared<const planner::SurgerySnapshot>();
         session.surroundings = std::make_shared<Scene>();
-        auto make_setup = [prepare = std::move(prepare), surroundings = session.surroundings](const Job& job) {
-            SurgeryInput input = prepare(job);
-            *surroundings = std::move(input.surroundings);
-            return std::move(input.setup);
-        };
+        session.look = std::make_shared<SightWatch::Look>();
+        auto make_setup
+            = [prepare = std::move(prepare), surroundings = session.surroundings, look = session.look](const Job& job) {
+                  SurgeryInput input = prepare(job);
+                  *surroundings = std::move(input.surroundings);
+                  *look = std::move(input.look);
+                  return std::move(input.setup);
+              };
         session.worker = std::make_unique<planner::SurgeryWorker>(std::move(make_setup), [this, approach] {
             QMetaObject::invokeMethod(
                 this, [this, approach] { take_snapshot(approach); }, Qt::QueuedConnection);
@@ -166,6 +173,9 @@ void KnifeTool::leave()
         shown_.reset();
         view_.set_live(nullptr);
     }
+    sight_.forget();
+    age_timer_.stop();
+    panel_.show_sight({});
     panel_.show_snapshot(nullptr, 0.0);
 }
 
@@ -264,7 +274,7 @@ QString KnifeTool::waiting_for() const
 
 bool KnifeTool::idle() const
 {
-    return std::all_of(sessions_.begin(), sessions_.end(), [](const auto& entry) {
+    return sight_.idle() && std::all_of(sessions_.begin(), sessions_.end(), [](const auto& entry) {
         return entry.second.worker->idle()
             && entry.second.snapshot->phase != planner::SurgerySnapshot::Phase::preparing;
     });
@@ -315,7 +325,22 @@ void KnifeTool::show_picture()
     drawn_.wall.set_positions(snapshot.picture->shown);
     show_beyond();
     show_steel();
+    watch_sight();
     view_.draw_soon();
+}
+
+/// Nothing is seen before the wall is cut.
+void KnifeTool::watch_sight()
+{
+    const planner::SurgerySnapshot& snapshot = *shown()->snapshot;
+    if (snapshot.phase != planner::SurgerySnapshot::Phase::ready || !snapshot.can_undo || snapshot.stroke_open) {
+        if (!snapshot.can_undo && !snapshot.stroke_open)
+            sight_.forget();
+    } else {
+        sight_.watch(snapshot.picture, beyond_, *shown()->look);
+        age_timer_.start();
+    }
+    panel_.show_sight(sight_.text());
 }
 
 void KnifeTool::show_beyond()

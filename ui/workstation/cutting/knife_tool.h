@@ -6,10 +6,12 @@
 #include "planner/session/surgery_worker.h"
 #include "ui/scene/vtk/live_surface.h"
 #include "ui/workstation/cutting/knife_panel.h"
+#include "ui/workstation/cutting/sight_watch.h"
 #include "ui/workstation/planning/planning_backend.h"
 #include "ui/workstation/view/picture_view.h"
 
 #include <QObject>
+#include <QTimer>
 
 #include <cstddef>
 #include <functional>
@@ -74,6 +76,7 @@ private:
         std::shared_ptr<const planner::SurgerySnapshot> snapshot; ///< the newest snapshot
         /// Filled by the worker's thread before a snapshot reports the session as ready; read only after that.
         std::shared_ptr<Scene> surroundings;
+        std::shared_ptr<SightWatch::Look> look; ///< filled with the surroundings
     };
 
     void press(const QPointF& at) override;
@@ -103,6 +106,7 @@ private:
     Vec3 in_hand(const QPointF& at) const;
     void drag_hook(const QPointF& to);
     void show_steel();
+    void watch_sight();
 
     PictureView& view_;
     KnifePanel& panel_;
@@ -130,6 +134,8 @@ private:
     std::optional<Grip> grip_; ///< the hook that is being dragged
     std::vector<Vec3> line_; ///< shown points of the present stroke, mm
     std::size_t answers_ = 0;
+    QTimer age_timer_; ///< what is seen grows older
+    SightWatch sight_;
     bool case_tension_offered_ = false; ///< the panel offers the tension of the open case
 };
 

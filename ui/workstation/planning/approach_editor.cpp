@@ -295,6 +295,29 @@ void ApproachEditor::change_opening()
         });
 }
 
+void ApproachEditor::change_blade(double depth_mm, const Vec3& inward)
+{
+    if (model_ == nullptr || !model_->selected())
+        return;
+    const std::size_t id = model_->id(*model_->selected());
+    work<planner::Approach>([change = backend_.change_blade, approach = model_->approach(*model_->selected()), depth_mm,
+                                inward] { return change(approach, depth_mm, inward); },
+        [this, id](planner::Approach with_blade) {
+            const auto selected = model_->selected();
+            if (!selected || model_->id(*selected) != id)
+                return;
+            const std::string name = with_blade.name;
+            const double depth = with_blade.depth_mm;
+            try {
+                model_->replace_approach(*selected, std::move(with_blade), "set the blade of " + name);
+            } catch (...) {
+                return on_failure(current_failure());
+            }
+            changed(QString::fromStdString(formatted("The blade goes %.0f mm deep", depth)));
+        },
+        [this](const Failure& failure) { on_failure(failure); });
+}
+
 void ApproachEditor::choose_site()
 {
     if (model_ == nullptr || !model_->selected() || !model_->slice_place())

@@ -39,6 +39,8 @@ public:
     /// Takes the last point back. @return false when there is none
     bool undo_point() { return tool_.undo(); }
     void change_opening();
+    /// Gives the selected approach a blade of another depth and direction at the middle of the incision.
+    void change_blade(double depth_mm, const Vec3& inward);
     /// Asks what is done where the slices meet, and makes this site the target. @pre slices are shown
     void choose_site();
     void duplicate();

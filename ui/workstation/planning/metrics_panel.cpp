@@ -171,9 +171,8 @@ namespace {
             candidates.push_back({ .field = field.metrics, .divided_bones = field.divided_bones });
         }
         const bool one_target = planner::have_one_target(fields);
-        const std::vector<planner::RankedField> order = one_target
-            ? planner::ranked(candidates, planner::default_weights())
-            : std::vector<planner::RankedField>();
+        const std::vector<planner::RankedField> order
+            = one_target ? planner::ranked(candidates, model.weights()) : std::vector<planner::RankedField>();
         for (std::size_t n = 0; n < fields.size(); ++n) {
             const planner::Verdict verdict = planner::verdict_of(fields[n]);
             const LightLook look = light_look(verdict.light);
@@ -187,6 +186,12 @@ namespace {
                 column.addWidget(label(verdict.sentences.front(), "color: white;"));
             if (const std::string score = score_text(order, n); !score.empty())
                 column.addWidget(label(score, kFaint));
+        }
+        if (!order.empty()) {
+            column.addSpacing(6);
+            column.addWidget(label(
+                "Weights of the score: " + planner::weights_text(model.weights()) + ". Approach, Weights changes them.",
+                kFaint));
         }
         column.addSpacing(10);
         auto* chart = new ComparisonChart;

@@ -5,9 +5,11 @@
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/anatomy/body_probe.h"
 #include "planner/approach/bearing_points.h"
+#include "planner/approach/blade_change.h"
 #include "planner/approach/divided_bones.h"
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
+#include "planner/measures/comparison.h"
 #include "planner/plan/plan.h"
 #include "planner/plan/saved/saved_plan.h"
 #include "planner/session/saved_cuts.h"
@@ -17,6 +19,7 @@
 #include "ui/movie/plan_movie.h"
 #include "ui/plan_scene/field_map.h"
 #include "ui/plan_scene/plan_scene.h"
+#include "ui/plan_scene/search_map.h"
 #include "ui/results/field_files.h"
 #include "ui/scene/vtk/offscreen.h"
 
@@ -161,6 +164,36 @@ namespace {
         return input;
     }
 
+    /// The skin in the colours of the scores, with the best proposals.
+    Image map_of(planner::Patient& patient, const FoundProposals& found)
+    {
+        constexpr int kWidth = 1200, kHeight = 600;
+        std::vector<MappedIncision> incisions;
+        for (const planner::PlannedProposal& planned : found.drafts.best_first)
+            incisions.push_back({ .sign = planner::compared_letter(incisions.size()),
+                .words = planned.proposal.words,
+                .points = planned.proposal.approach.incision });
+        OffscreenRenderer renderer(make_offscreen_context());
+        return renderer.render(search_map(patient, found.rays, incisions, kWidth, kHeight));
+    }
+
+    FoundProposals found_proposals(planner::Patient& patient, const planner::Case& planned_case,
+        const planner::SearchRequest& request, const Job& job)
+    {
+        constexpr std::size_t kDrafts = 5;
+        FoundProposals found { .rays = planner::search_incisions(patient, request, job) };
+        if (found.rays.status == planner::SearchStatus::cancelled)
+            return found;
+        if (found.rays.found.empty())
+            throw InputError(planner::why_nothing_found(found.rays, request));
+        const std::vector<planner::Proposal> proposals
+            = planner::proposals_of(patient, found.rays, request, kDrafts, found.refused);
+        found.drafts = planner::draft_plans(planned_case, proposals, kDrafts, found.rays, request, job);
+        if (found.drafts.status == planner::SearchStatus::done)
+            found.map = map_of(patient, found);
+        return found;
+    }
+
     /// Finds the skin under a pointer. Made once for all pictures of a patient.
     class SkinPointer {
     public:
@@ -212,18 +245,33 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
         complete(pictures, *patient, *pointer);
         return pictures;
     };
+    backend.anatomy = [patient](const Job& job) { return anatomy_surfaces(*patient, job); };
     backend.make_approach = [patient](const planner::Case& present, const planner::ApproachDraft& draft) {
         return planner::approach_from_draft(*patient, present, draft);
     };
     backend.move_incision = [patient](const planner::Approach& approach, const std::vector<Vec3>& points) {
         return planner::with_incision_through(*patient, approach, points);
     };
+    backend.change_blade = [patient](const planner::Approach& approach, double depth_mm, const Vec3& inward) {
+        return planner::with_blade(*patient, approach, depth_mm, inward);
+    };
     backend.neighbours
         = [patient](const planner::Approach& approach) { return planner::neighbours_of(*patient, approach); };
+    backend.search = [patient](const planner::Case& present, const planner::SearchRequest& request, const Job& job) {
+        return found_proposals(*patient, present, request, job);
+    };
     if (patient->has_ct())
         backend.labels = [patient] { return patient->labels(); };
     backend.surgery_input = [patient](const planner::Approach& approach, const Job& job) {
-        return make_surgery_input(*patient, approach, job);
+        SurgeryInput input = make_surgery_input(*patient, approach, job);
+        // The knife does not wait for what only the first look needs.
+        input.look = [patient, approach, view = std::make_shared<std::unique_ptr<const planner::LiveView>>()](
+                         const TriMesh& wall, const TriMesh& beyond, const Job& looking) {
+            if (*view == nullptr)
+                *view = std::make_unique<const planner::LiveView>(*patient, approach);
+            return (*view)->look(wall, beyond, looking);
+        };
+        return input;
     };
     backend.plan = [patient](const planner::Approach& approach, const Job& job) -> PlanOutcome {
         try { // what was planned before in the same way has the same result

@@ -4,7 +4,10 @@
 #include "mesh/base/job.h"
 #include "planner/approach/approach_draft.h"
 #include "planner/approach/neighbour_approaches.h"
+#include "planner/measures/sight/live_view.h"
+#include "planner/search/search_plans.h"
 #include "planner/session/surgery_session.h"
+#include "ui/scene/vtk/render.h"
 #include "ui/workstation/planning/session_model.h"
 
 #include <filesystem>
@@ -27,6 +30,17 @@ struct PlanOutcome {
 struct SurgeryInput {
     planner::SurgerySetup setup;
     Scene surroundings; ///< drawn but not cut; with the camera of the overview
+    /// What is seen of the target through the wall as it is, see planner::LiveView::look(). Not set: it is not
+    /// measured.
+    std::function<planner::SeenNow(const TriMesh& wall, const TriMesh& beyond, const Job&)> look {};
+};
+
+/// What a search proposes.
+struct FoundProposals {
+    planner::IncisionSearch rays {};
+    std::vector<std::string> refused {}; ///< found incisions that do not fit the patient, with the reason
+    planner::SearchPlans drafts {};
+    Image map {}; ///< the skin in the colours of the scores, with the proposals
 };
 
 struct PlanningBackend {
@@ -34,6 +48,8 @@ struct PlanningBackend {
     std::function<ClosedPictures(const planner::Approach&, const Job&)> closed_pictures;
     /// The patient without an approach.
     std::function<ClosedPictures(const Job&)> patient_pictures;
+    /// See anatomy_surfaces().
+    std::function<std::vector<SurfaceItem>(const Job&)> anatomy;
     /// The plan is saved beside the case. Where that fails, its warning says so.
     std::function<PlanOutcome(const planner::Approach&, const Job&)> plan;
     /// The plan of an earlier session; nothing: there is none of the approach as it is now. The function throws when
@@ -43,8 +59,13 @@ struct PlanningBackend {
     std::function<planner::Approach(const planner::Case&, const planner::ApproachDraft&)> make_approach;
     /// See planner::with_incision_through().
     std::function<planner::Approach(const planner::Approach&, const std::vector<Vec3>&)> move_incision;
+    /// See planner::with_blade().
+    std::function<planner::Approach(const planner::Approach&, double, const Vec3&)> change_blade;
     /// See planner::neighbours_of().
     std::function<std::vector<planner::NeighbourApproach>(const planner::Approach&)> neighbours;
+    /// Searches for incisions and plans the best as drafts. What was cancelled says so in the status of the rays or of
+    /// the drafts. @throws InputError as planner::search_incisions() does, and where nothing is found
+    std::function<FoundProposals(const planner::Case&, const planner::SearchRequest&, const Job&)> search {};
     /// What files of their own are made from: the case as it is shown, and the names of the approaches that are
     /// planned.
     struct Shown {

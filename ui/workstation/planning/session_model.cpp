@@ -4,6 +4,7 @@
 #include "mesh/base/text_format.h"
 #include "planner/approach/approach_draft.h"
 #include "planner/measures/comparison.h"
+#include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/label_colors.h"
 #include "ui/scene/linked_slices.h"
 
@@ -392,12 +393,21 @@ std::optional<Vec3> SessionModel::slice_place() const
     return state.slice_point.value_or(state.closed->slices.front().slices.front().point);
 }
 
+Vec3 SessionModel::marked_place() const
+{
+    const ApproachState& state = shown_state();
+    if (const auto place = state.slice_point ? state.slice_point : slice_place())
+        return *place;
+    const auto box = state.closed != nullptr ? scene_bounds(state.closed->patient) : std::nullopt;
+    return box ? Vec3(0.5 * (box->low + box->high)) : Vec3(Vec3::Zero());
+}
+
 void SessionModel::set_slice_point(const Vec3& point) { states_.at(shown_id()).slice_point = point; }
 
 ShownSource SessionModel::shown_source() const
 {
     const ApproachState& state = shown_state();
-    const bool opened = state.field != nullptr && (show_opened_ || shows_slices(view_) || state.closed == nullptr);
+    const bool opened = state.field != nullptr && (show_opened_ || state.closed == nullptr);
     if (shown_view() == ViewPreset::compare) {
         ShownSource source { .pictures = nullptr, .opened = true, .view = view_, .approach = std::nullopt };
         for (const std::size_t index : planned())
@@ -440,14 +450,8 @@ std::vector<Scene> SessionModel::unmeasured_scenes() const
         scenes = state.closed->incision_slices;
     }
     for (Scene& scene : scenes)
-        for (SliceItem& slice : scene.slices) {
-            slice.window_hu = kGreyWindows[grey_window_].window_hu;
-            slice.level_hu = kGreyWindows[grey_window_].level_hu;
-            if (label_look_ == LabelLook::outlined)
-                slice.fill = 0.0;
-            if (label_look_ == LabelLook::hidden)
-                slice.outline_of_label.clear();
-        }
+        for (SliceItem& slice : scene.slices)
+            dress(slice);
     const bool surgeon = shown_view() == ViewPreset::surgeon || shown_view() == ViewPreset::incision;
     if (!surgeon || !scenes.empty())
         scenes.push_back(overview);
@@ -457,6 +461,108 @@ std::vector<Scene> SessionModel::unmeasured_scenes() const
     if (!source.opened)
         scenes.back().camera = surgeon_camera(approach(*selected_), overview.camera.up);
     return scenes;
+}
+
+void SessionModel::dress(SliceItem& slice) const
+{
+    slice.window_hu = kGreyWindows[grey_window_].window_hu;
+    slice.level_hu = kGreyWindows[grey_window_].level_hu;
+    if (label_look_ == LabelLook::outlined)
+        slice.fill = 0.0;
+    if (label_look_ == LabelLook::hidden)
+        slice.outline_of_label.clear();
+}
+
+std::optional<CutAway> SessionModel::cut_away() const
+{
+    if (!cut_side_ || !can_cut_away())
+        return std::nullopt;
+    constexpr double kFacePixelMm = 1.0; // fast enough to follow the hand
+    CutAway cut { .point = marked_place() };
+    SlicePlane plane = SlicePlane::coronal;
+    switch (*cut_side_) {
+    case CutSide::front:
+    case CutSide::back:
+        cut.kept = *cut_side_ == CutSide::front ? Vec3::UnitY() : Vec3(-Vec3::UnitY());
+        break;
+    case CutSide::left:
+    case CutSide::right:
+        plane = SlicePlane::sagittal;
+        cut.kept = *cut_side_ == CutSide::right ? Vec3::UnitX() : Vec3(-Vec3::UnitX());
+        break;
+    case CutSide::head:
+    case CutSide::feet:
+        plane = SlicePlane::axial;
+        cut.kept = *cut_side_ == CutSide::feet ? Vec3::UnitZ() : Vec3(-Vec3::UnitZ());
+        break;
+    }
+    const auto& closed = shown_state().closed;
+    if (opened_shown() || closed == nullptr)
+        return cut;
+    for (const Scene& scene : closed->slices)
+        if (scene.slices.front().plane == plane && scene.slices.front().labels != nullptr) {
+            cut.face = scene.slices.front();
+            cut.face->point = cut.point;
+            cut.face->pixel_mm = kFacePixelMm;
+            dress(*cut.face);
+        }
+    return cut;
+}
+
+bool SessionModel::take_anatomy_wish()
+{
+    return (wall_look_ != WallLook::solid || cut_side_) && !std::exchange(anatomy_wished_, true);
+}
+
+void SessionModel::set_anatomy(std::vector<SurfaceItem> surfaces)
+{
+    anatomy_ = std::make_shared<const std::vector<SurfaceItem>>(std::move(surfaces));
+}
+
+std::string SessionModel::name_of(const Picked& picked) const
+{
+    const auto& closed = shown_state().closed;
+    if (picked.label && closed != nullptr)
+        if (const auto name = closed->label_names.find(*picked.label); name != closed->label_names.end())
+            return readable(name->second);
+    return picked.name == kBodyName ? "skin" : readable(picked.name);
+}
+
+bool SessionModel::lies_as_in_ct(const Picked& picked) const
+{
+    if (shown_view() == ViewPreset::compare)
+        return false;
+    if (!opened_shown())
+        return true;
+    const auto& closed = shown_state().closed;
+    return !picked.label && closed != nullptr
+        && std::any_of(closed->label_names.begin(), closed->label_names.end(),
+            [&](const auto& name) { return name.second == picked.name; });
+}
+
+Scene SessionModel::looked_into(Scene scene) const
+{
+    constexpr double kSeenThrough = 0.2, kMarkMm = 10.0;
+    const auto is_wall = [](const SurfaceItem& item) {
+        return item.name == kBodyName || item.name == kWallName || item.name == kBeyondName;
+    };
+    if (wall_look_ == WallLook::hidden)
+        std::erase_if(scene.surfaces, is_wall);
+    if (wall_look_ == WallLook::see_through)
+        for (SurfaceItem& item : scene.surfaces)
+            if (is_wall(item))
+                item.opacity = kSeenThrough;
+    scene.cut_away = cut_away();
+    const bool inside = wall_look_ != WallLook::solid || scene.cut_away;
+    if (inside && anatomy_ != nullptr && !opened_shown())
+        for (const SurfaceItem& organ : *anatomy_)
+            if (std::none_of(scene.surfaces.begin(), scene.surfaces.end(),
+                    [&](const SurfaceItem& item) { return item.name == organ.name; }))
+                scene.surfaces.push_back(organ);
+    if (const auto& place = shown_state().slice_point; place && shown_view() != ViewPreset::compare)
+        for (const LineItem& line : mark_at(*place, kMarkMm))
+            scene.lines.push_back(line);
+    return scene;
 }
 
 bool SessionModel::map_available(FieldMapKind map) const
@@ -488,6 +594,9 @@ std::vector<Scene> SessionModel::compared_scenes() const
 std::vector<Scene> SessionModel::shown_scenes() const
 {
     std::vector<Scene> scenes = unmeasured_scenes();
+    for (Scene& scene : scenes)
+        if (scene.slices.empty())
+            scene = looked_into(std::move(scene));
     draw_measurements(scenes, measurements_);
     if (alone_ && *alone_ < scenes.size()) {
         std::swap(scenes.front(), scenes[*alone_]);

@@ -7,8 +7,10 @@
 #include "planner/case/case.h"
 #include "planner/decision/decisions.h"
 #include "planner/measures/field_metrics.h"
+#include "planner/measures/ranking.h"
 #include "ui/plan_scene/field_map.h"
 #include "ui/scene/measurement.h"
+#include "ui/scene/pick.h"
 #include "ui/scene/scene.h"
 
 #include <cstddef>
@@ -35,6 +37,12 @@ enum class ViewPreset {
 
 /// How labels are drawn on slices.
 enum class LabelLook { filled, outlined, hidden };
+
+/// How the body's wall is drawn in space.
+enum class WallLook { solid, see_through, hidden };
+
+/// The part of the patient that is cut away in space.
+enum class CutSide { front, back, left, right, head, feet };
 
 /// Whether the view shows slices of the CT: three planes, or the planes along and across the incision.
 inline bool shows_slices(ViewPreset view) { return view == ViewPreset::slices || view == ViewPreset::incision; }
@@ -192,6 +200,10 @@ public:
         return decisions_.choices.empty() ? std::string() : decisions_.choices.back().approach;
     }
 
+    /// Of the score in the comparison and in a search. @pre as planner::score_of()
+    void set_weights(const planner::Weights& weights) { weights_ = weights; }
+    const planner::Weights& weights() const { return weights_; }
+
     /// Withdraws all requests; the running plan stops at its next chance.
     void cancel();
     bool busy() const { return planning_.has_value(); }
@@ -223,6 +235,24 @@ public:
     void set_label_look(LabelLook look) { label_look_ = look; }
     LabelLook label_look() const { return label_look_; }
 
+    /// For all pictures in space. Before the cut, what lies behind the wall is then drawn, too.
+    void set_wall_look(WallLook look) { wall_look_ = look; }
+    WallLook wall_look() const { return wall_look_; }
+    /// Cuts the patient away up to the marked place; nothing: the patient is whole.
+    void set_cut_side(std::optional<CutSide> side) { cut_side_ = side; }
+    std::optional<CutSide> cut_side() const { return cut_side_; }
+    /// Only the patient from outside is cut away: through an incision one looks at the whole wound.
+    bool can_cut_away() const { return shown_view() == ViewPreset::overview || shown_view() == ViewPreset::slices; }
+    /// The plane of the cut, with the CT on it where the patient is shown as in the CT; nothing: the patient is whole.
+    std::optional<CutAway> cut_away() const;
+    /// Whether organs are to be drawn that have not been given yet. True once only.
+    bool take_anatomy_wish();
+    void set_anatomy(std::vector<SurfaceItem> surfaces);
+    /// What was picked in a picture, in words.
+    std::string name_of(const Picked& picked) const;
+    /// Whether what was picked lies where the CT shows it: not a moved wall, steel or a deflated lung.
+    bool lies_as_in_ct(const Picked& picked) const;
+
     /// The slices show these labels, each in its own colour. Null: those that they were made with.
     void set_corrected_labels(std::shared_ptr<const mesh::LabelVolume> labels) { corrected_ = std::move(labels); }
 
@@ -231,7 +261,9 @@ public:
     std::size_t grey_window() const { return grey_window_; }
     /// Where the slices of the selected approach, or of the patient alone, meet; nothing: there are none yet.
     std::optional<Vec3> slice_place() const;
-    /// Moves the slices that are shown.
+    /// Where the slices meet; without slices, the place that was marked last, or the middle of the patient.
+    Vec3 marked_place() const;
+    /// Moves the slices that are shown, and the mark in space.
     void set_slice_point(const Vec3& point);
 
     ShownSource shown_source() const;
@@ -248,6 +280,11 @@ public:
 
 private:
     std::vector<Scene> unmeasured_scenes() const;
+    /// A scene in space with the look of the wall, the cut and the mark.
+    Scene looked_into(Scene scene) const;
+    /// A slice as grey window and look of labels want it.
+    void dress(SliceItem& slice) const;
+    bool opened_shown() const { return shown_source().opened; }
     /// A scene of a field in the colours of the map, where one is chosen.
     Scene mapped(const FieldPictures& field, const Scene& scene) const;
     std::vector<Scene> compared_scenes() const;
@@ -280,7 +317,12 @@ private:
     std::optional<FieldMapKind> map_;
     std::shared_ptr<const mesh::LabelVolume> corrected_;
     LabelLook label_look_ = LabelLook::filled;
+    WallLook wall_look_ = WallLook::solid;
+    std::optional<CutSide> cut_side_;
+    std::shared_ptr<const std::vector<SurfaceItem>> anatomy_; ///< null: not given yet
+    bool anatomy_wished_ = false;
     planner::Decisions decisions_;
+    planner::Weights weights_ = planner::default_weights();
     std::optional<std::size_t> alone_;
     std::vector<Measurement> measurements_;
     std::deque<std::size_t> waiting_; ///< ids

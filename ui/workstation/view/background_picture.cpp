@@ -12,24 +12,18 @@
 
 namespace retractor::ui {
 
-namespace {
+void lower_priority()
+{
+    constexpr int kNice = 5;
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+}
 
-    /// Lets the window's own drawing go first. Linux keeps a priority for each thread, and the driver's threads inherit
-    /// the priority of the thread that makes the context. Without permission the picture is drawn all the same.
-    void lower_priority()
-    {
-        constexpr int kNice = 5;
-        setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
-    }
-
-    QImage as_image(const Image& image)
-    {
-        constexpr int kBytes = 3;
-        return QImage(image.rgb.data(), image.width, image.height, kBytes * image.width, QImage::Format_RGB888)
-            .convertToFormat(QImage::Format_RGB32);
-    }
-
-} // namespace
+QImage as_image(const Image& image)
+{
+    constexpr int kBytes = 3;
+    return QImage(image.rgb.data(), image.width, image.height, kBytes * image.width, QImage::Format_RGB888)
+        .convertToFormat(QImage::Format_RGB32);
+}
 
 BackgroundPicture::BackgroundPicture(std::function<void(PictureAnswer)> deliver)
     : deliver_(std::move(deliver))

@@ -28,6 +28,13 @@ struct PictureAnswer {
     int number = 0;
 };
 
+/// Lets the window's own drawing go before what the calling thread does. Linux keeps a priority for each thread, and
+/// the driver's threads inherit the priority of the thread that makes a context. Without permission nothing changes.
+void lower_priority();
+
+/// A copy of the picture for Qt.
+QImage as_image(const Image& image);
+
 /// Its functions belong to one thread.
 class BackgroundPicture {
 public:

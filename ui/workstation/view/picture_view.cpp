@@ -18,6 +18,7 @@
 
 #include <QImage>
 #include <QLabel>
+#include <QLineF>
 #include <QMouseEvent>
 #include <QOpenGLContext>
 #include <QOpenGLFunctions>
@@ -149,6 +150,7 @@ void PictureView::show_scenes(std::vector<Scene> scenes)
     full_error_.clear(); // other scenes may be drawn in the background again
     pointing_.reset();
     wanted_point_.reset();
+    set_handle(std::nullopt);
     build(false);
 }
 
@@ -345,14 +347,7 @@ void PictureView::set_tool(PictureTool* tool)
 planner::Ray PictureView::ray_at(const QPointF& at) const
 {
     RETRACTOR_ASSERT(is_drawn());
-    const Camera camera = this->camera();
-    const Vec3 sight = (camera.aim - camera.eye).normalized();
-    const Vec3 right = sight.cross(camera.up).normalized(), up = right.cross(sight);
-    const double half = 0.5 * height();
-    // Relative to half the picture's height.
-    const double x = (at.x() - 0.5 * width()) / half, y = (half - at.y()) / half;
-    const double slope = std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
-    return { camera.eye, (sight + slope * (x * right + y * up)).normalized() };
+    return ray_into(0, at);
 }
 
 std::optional<Vec3> PictureView::slice_place_at(const QPointF& at) const
@@ -372,19 +367,61 @@ std::optional<Vec3> PictureView::slice_place_at(const QPointF& at) const
     return std::nullopt;
 }
 
-std::optional<QPointF> PictureView::shown_at(const Vec3& place) const
+std::optional<QPointF> PictureView::shown_in(std::size_t index, const Vec3& place) const
 {
     RETRACTOR_ASSERT(is_drawn());
-    const Camera camera = this->camera();
+    const Viewport in = arrange_scenes(*scenes_, width(), height()).at(index);
+    const Camera camera = drawn_->views.at(index).camera();
     const Vec3 sight = (camera.aim - camera.eye).normalized();
     const Vec3 right = sight.cross(camera.up).normalized(), up = right.cross(sight);
     const double depth = (place - camera.eye).dot(sight);
-    if (!(depth > 0.0))
+    if (!camera.parallel && !(depth > 0.0))
         return std::nullopt;
-    const double half = 0.5 * height(), slope = std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
-    const double pixels_per_mm = half / (slope * depth);
-    return QPointF(0.5 * width() + pixels_per_mm * (place - camera.eye).dot(right),
-        half - pixels_per_mm * (place - camera.eye).dot(up));
+    const double half = 0.5 * (in.top - in.bottom) * height();
+    const double half_mm = camera.parallel ? camera.half_height_mm
+                                           : depth * std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
+    const QPointF middle(0.5 * (in.left + in.right) * width(), (1.0 - 0.5 * (in.bottom + in.top)) * height());
+    return middle + half / half_mm * QPointF((place - camera.eye).dot(right), -(place - camera.eye).dot(up));
+}
+
+std::optional<QPointF> PictureView::shown_at(const Vec3& place) const { return shown_in(0, place); }
+
+void PictureView::set_handle(std::optional<SliceHandle> handle)
+{
+    handle_ = handle;
+    dragging_ = dragging_ && handle_;
+}
+
+std::optional<QPointF> PictureView::handle_at() const
+{
+    return handle_ && is_drawn() && handle_->scene < drawn_->views.size() ? shown_in(handle_->scene, handle_->place)
+                                                                          : std::nullopt;
+}
+
+bool PictureView::drag_handle(const QMouseEvent& event)
+{
+    constexpr double kNearPx = 14.0;
+    const auto at = handle_at();
+    if (!at)
+        return false;
+    const bool near = QLineF(*at, event.localPos()).length() <= kNearPx;
+    if (event.type() == QEvent::MouseButtonPress && event.button() == Qt::LeftButton
+        && event.modifiers() == Qt::NoModifier) {
+        dragging_ = near;
+        dragged_ = false;
+    }
+    if (event.type() == QEvent::MouseMove && event.buttons() == Qt::NoButton)
+        setCursor(near ? Qt::SizeAllCursor : Qt::ArrowCursor);
+    if (!dragging_)
+        return false;
+    const bool last = event.type() == QEvent::MouseButtonRelease && event.button() == Qt::LeftButton;
+    const auto place = slice_place_at(event.localPos());
+    dragged_ = dragged_ || event.type() == QEvent::MouseMove;
+    if (last)
+        dragging_ = false;
+    if (dragged_ && (place || last) && on_handle)
+        on_handle(place.value_or(handle_->place), last);
+    return true;
 }
 
 bool PictureView::event(QEvent* event)
@@ -407,15 +444,18 @@ bool PictureView::event(QEvent* event)
     case QEvent::MouseButtonRelease:
         if (tool_ != nullptr && handle_mouse(*static_cast<QMouseEvent*>(event)))
             return true;
-        if (tool_ == nullptr && point_on_slice(*static_cast<QMouseEvent*>(event)))
+        if (tool_ == nullptr
+            && (drag_handle(*static_cast<QMouseEvent*>(event)) || point_on_slice(*static_cast<QMouseEvent*>(event))))
             return true;
+        if (tool_ == nullptr)
+            click_in_space(*static_cast<QMouseEvent*>(event));
         break;
     case QEvent::Wheel:
         if (tool_ != nullptr && tool_->wheel(static_cast<QWheelEvent*>(event)->angleDelta().y() / kNotch)) {
             event->accept();
             return true;
         }
-        if (step_slice(*static_cast<QWheelEvent*>(event)))
+        if (step_slice(*static_cast<QWheelEvent*>(event)) || step_cut(*static_cast<QWheelEvent*>(event)))
             return true;
         break;
     default:
@@ -507,6 +547,64 @@ bool PictureView::point_on_slice(const QMouseEvent& event)
         place_on_slice(slice, drawn_->views.at(*pointing_).camera(), (event.localPos().x() / width() - v.left) / wide,
             (1.0 - event.localPos().y() / height() - v.bottom) / high, wide * width() / (high * height())));
     return true;
+}
+
+planner::Ray PictureView::ray_into(std::size_t index, const QPointF& at) const
+{
+    const Viewport place = arrange_scenes(*scenes_, width(), height()).at(index);
+    const Camera camera = drawn_->views.at(index).camera();
+    const Vec3 sight = (camera.aim - camera.eye).normalized();
+    const Vec3 right = sight.cross(camera.up).normalized(), up = right.cross(sight);
+    const double half = 0.5 * (place.top - place.bottom) * height();
+    // From the middle of the scene's rectangle, relative to half its height.
+    const double x = (at.x() - 0.5 * (place.left + place.right) * width()) / half,
+                 y = ((1.0 - 0.5 * (place.bottom + place.top)) * height() - at.y()) / half;
+    const double slope = std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
+    return { camera.eye, (sight + slope * (x * right + y * up)).normalized() };
+}
+
+void PictureView::click_in_space(const QMouseEvent& event)
+{
+    constexpr double kStillPx = 4.0; // a hand that clicks moves a little
+    if (event.type() == QEvent::MouseButtonPress) {
+        pressed_in_space_.reset();
+        const auto index = scene_at(event.localPos());
+        if (index && event.button() == Qt::LeftButton && event.modifiers() == Qt::NoModifier
+            && !drawn_->views.at(*index).camera().parallel)
+            pressed_in_space_ = event.localPos();
+        const auto slice = std::find_if(scenes_->begin(), scenes_->end(), is_linked_slice);
+        if (pressed_in_space_ && slice != scenes_->end())
+            before_press_ = slice->slices.front().point;
+    } else if (event.type() == QEvent::MouseMove) {
+        if (pressed_in_space_ && (event.localPos() - *pressed_in_space_).manhattanLength() > kStillPx)
+            pressed_in_space_.reset();
+    } else if (event.type() == QEvent::MouseButtonRelease && event.button() == Qt::LeftButton) {
+        if (const auto at = std::exchange(pressed_in_space_, std::nullopt); at && on_space_click)
+            if (const auto index = scene_at(*at))
+                on_space_click(*index, ray_into(*index, *at));
+    }
+}
+
+bool PictureView::step_cut(const QWheelEvent& event)
+{
+    const auto index = scene_at(event.position());
+    if (!index || !on_cut_step || (event.modifiers() & Qt::ShiftModifier) == 0 || !(*scenes_)[*index].cut_away)
+        return false;
+    on_cut_step(event.angleDelta().y() / kNotch);
+    return true;
+}
+
+void PictureView::move_cut_away(std::size_t index, const CutAway& cut_away)
+{
+    RETRACTOR_ASSERT(scenes_->at(index).cut_away);
+    auto scenes = std::make_shared<std::vector<Scene>>(*scenes_);
+    (*scenes)[index].cut_away = coarse_scenes_.at(index).cut_away = cut_away;
+    scenes_ = std::move(scenes);
+    if (is_drawn()) {
+        makeCurrent();
+        drawn_->views.at(index).set_cut_away(cut_away);
+    }
+    change();
 }
 
 bool PictureView::handle_mouse(QMouseEvent& event)

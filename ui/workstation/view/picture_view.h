@@ -40,6 +40,12 @@ public:
     virtual bool wheel(double notches);
 };
 
+/// A place on a slice that the left button drags.
+struct SliceHandle {
+    std::size_t scene = 0; ///< among those shown
+    Vec3 place = Vec3::Zero();
+};
+
 /// Calls a function for each press of the left button.
 class ClickTool : public PictureTool {
 public:
@@ -77,6 +83,23 @@ public:
     /// Shows another scene in place of one of those shown, from the same place.
     /// @throws InputError as check_scene() does; the view then keeps its scenes
     void replace_scene(std::size_t index, Scene scene);
+
+    /// Moves the plane that cuts a scene away. @pre the scene has a plane
+    void move_cut_away(std::size_t index, const CutAway& cut_away);
+
+    /// The handle of the scenes that are shown now; nothing: there is none. It has the left button near its place,
+    /// unless a tool has it.
+    void set_handle(std::optional<SliceHandle> handle);
+    /// The point of the widget at which the handle is shown; nothing: there is none.
+    std::optional<QPointF> handle_at() const;
+    /// Called while the handle is dragged, with the place of its slice under the mouse, and at the end.
+    std::function<void(const Vec3& place, bool last)> on_handle;
+
+    /// Called where the left button is pressed and let go at one place of a scene in space, with the scene's place
+    /// among those shown and the ray from the eye. Not while a tool has the mouse.
+    std::function<void(std::size_t, const planner::Ray&)> on_space_click;
+    /// Called where shift and the wheel ask to move the plane that cuts a scene away, in notches away from the user.
+    std::function<void(double)> on_cut_step;
 
     /// Called where the mouse asks for slices through another point (mm, LPS): the wheel steps through the planes of
     /// the slice under it, the left button names a place on a slice. Empty: the mouse moves the cameras of slices.
@@ -160,6 +183,13 @@ private:
     void want_point(const Vec3& point);
     bool step_slice(const QWheelEvent& event);
     bool point_on_slice(const QMouseEvent& event);
+    void click_in_space(const QMouseEvent& event);
+    bool drag_handle(const QMouseEvent& event);
+    /// The point of the widget at which a scene shows a place; nothing behind the eye.
+    std::optional<QPointF> shown_in(std::size_t index, const Vec3& place) const;
+    bool step_cut(const QWheelEvent& event);
+    /// The ray from the eye through a place of the widget into a scene in space.
+    planner::Ray ray_into(std::size_t index, const QPointF& at) const;
     void add_live();
     /// Moves the other cameras as the one that has moved since the last picture.
     void move_linked();
@@ -179,6 +209,9 @@ private:
     PictureTool* tool_ = nullptr;
     std::optional<Vec3> before_press_; ///< where the slices met before the left button went down last
     std::optional<std::size_t> pointing_; ///< the slice on which the left button went down
+    std::optional<SliceHandle> handle_;
+    bool dragging_ = false, dragged_ = false; ///< the handle is held, and has been moved
+    std::optional<QPointF> pressed_in_space_; ///< where the left button went down on a scene in space
     bool turning_ = false; ///< the camera is being turned while there is a tool
     double draw_ms_ = 0.0;
     int pictures_ = 0;

@@ -347,6 +347,22 @@ namespace knife_window_test {
         EXPECT_EQ(window_->view().drawing_errors(), "");
     }
 
+    TEST_F(KnifeWindowTest, WhatIsSeenThroughTheWoundIsSaid)
+    {
+        take_knife();
+        EXPECT_EQ(window_->knife_panel().sight_text(), "") << "nothing is cut yet";
+        draw(-30.0, 0.0, 30.0, 0.0);
+        wait_until_idle();
+        const QString said = window_->knife_panel().sight_text();
+        EXPECT_EQ(
+            said.toStdString().find("The best eye sees 25 % of the target (\u00b1 2, without the steel), 12\u00b0 off"),
+            0U)
+            << said.toStdString();
+        press(Qt::Key_Z, Qt::ControlModifier);
+        wait_until_idle();
+        EXPECT_EQ(window_->knife_panel().sight_text(), "");
+    }
+
     TEST_F(KnifeWindowTest, TheDepthIsTheOneAskedFor)
     {
         take_knife();

@@ -267,6 +267,48 @@ namespace approach_editor_test {
         EXPECT_NE(file_text().find("median"), std::string::npos);
     }
 
+    TEST_F(ApproachEditorTest, TheBladeIsDraggedOnTheSliceAcrossTheIncision)
+    {
+        window_.set_view(ViewPreset::incision);
+        test_support::wait_until_idle(window_);
+        const auto drag_blade = [&](const QPoint& by) {
+            ASSERT_TRUE(view().handle_at());
+            const QPoint from = view().handle_at()->toPoint();
+            QTest::mousePress(&view(), Qt::LeftButton, {}, from);
+            for (int n = 1; n <= kDragSteps; ++n) {
+                QMouseEvent event(
+                    QEvent::MouseMove, from + by * n / kDragSteps, Qt::NoButton, Qt::LeftButton, Qt::NoModifier);
+                QCoreApplication::sendEvent(&view(), &event);
+            }
+            QTest::mouseRelease(&view(), Qt::LeftButton, {}, from + by);
+            test_support::wait_until_idle(window_);
+        };
+        drag_blade({ 0, 60 });
+        const double depth = window_.model()->approach(0).depth_mm;
+        EXPECT_GT(depth, 25.0) << window_.message_line() << window_.error_line();
+        EXPECT_NEAR(window_.model()->approach(0).directions.front().y(), 1.0, 0.01) << "straight down";
+        EXPECT_NE(window_.message_line().find("mm deep"), std::string::npos);
+        drag_blade({ 40, 0 });
+        EXPECT_GT(window_.model()->approach(0).directions.front().x(), 0.1) << "to the patient's left";
+        EXPECT_GT(window_.model()->approach(0).depth_mm, depth);
+        // A click alone changes nothing; a blade that is refused goes back.
+        const double turned = window_.model()->approach(0).depth_mm;
+        QTest::mouseClick(&view(), Qt::LeftButton, {}, view().handle_at()->toPoint());
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(window_.model()->approach(0).depth_mm, turned);
+        const QPoint handle = view().handle_at()->toPoint();
+        const double pixels_per_mm = 60.0 / (depth - 20.0);
+        drag_blade({ static_cast<int>(-window_.model()->approach(0).directions.front().x() * turned * pixels_per_mm),
+            static_cast<int>(-window_.model()->approach(0).directions.front().y() * turned * pixels_per_mm) });
+        EXPECT_NE(window_.error_line().find("5 to 250 mm deep"), std::string::npos) << window_.error_line();
+        EXPECT_EQ(window_.model()->approach(0).depth_mm, turned);
+        EXPECT_EQ(view().handle_at()->toPoint(), handle);
+        press(Qt::Key_Z, Qt::ControlModifier);
+        press(Qt::Key_Z, Qt::ControlModifier);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(window_.model()->approach(0).depth_mm, 20.0);
+    }
+
     TEST_F(ApproachEditorTest, ADiscardedMoveIsNotCarriedOut)
     {
         const Vec3 end = window_.model()->approach(0).incision.back();

@@ -1,0 +1,216 @@
+// How the main window lets one look into the patient: through the wall, past a cut, and what lies under the mouse.
+
+#include "mesh/base/text_format.h"
+#include "ui/plan_scene/plan_scene.h"
+#include "ui/scene/pick.h"
+#include "ui/workstation/main_window.h"
+#include "ui/workstation/view/picture_view.h"
+
+#include <QActionGroup>
+#include <QMenu>
+
+#include <memory>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace retractor::ui {
+
+namespace {
+
+    constexpr int kMarkMs = 150; ///< the mark follows when the hand has rested for this time
+    constexpr double kCutStepMm = 5.0;
+
+} // namespace
+
+void MainWindow::make_look_actions(QMenu& menu)
+{
+    QMenu* const wall = menu.addMenu("Body wall");
+    wall_looks_ = new QActionGroup(this);
+    for (const auto& [text, look, tip] : { std::tuple { "Solid", WallLook::solid, "Skin, muscle and ribs as they are" },
+             std::tuple { "See-through", WallLook::see_through, "Bones, heart and vessels shine through the skin" },
+             std::tuple { "Hidden", WallLook::hidden, "Bones, heart and vessels alone" } }) {
+        QAction* const action = add_action(*wall, text, {}, tip, [this, look = look] { set_wall_look(look); });
+        action->setCheckable(true);
+        wall_looks_->addAction(action);
+    }
+    wall->addSeparator();
+    add_action(*wall, "Next", Qt::Key_W, "Solid, see-through, hidden", [this] { next_wall_look(); });
+    QMenu* const cut = menu.addMenu("Cut away");
+    cut_sides_ = new QActionGroup(this);
+    const auto add = [&](const QString& text, std::optional<CutSide> side) {
+        QAction* const action = add_action(*cut, text, {},
+            side ? "Cut this part away, up to where the slices meet; Shift and the wheel move the cut"
+                 : "Show the whole patient",
+            [this, side] { set_cut_side(side); });
+        action->setCheckable(true);
+        action->setData(side ? static_cast<int>(*side) : -1);
+        cut_sides_->addAction(action);
+    };
+    add("Nothing", std::nullopt);
+    add("The front", CutSide::front);
+    add("The back", CutSide::back);
+    add("The patient's left", CutSide::left);
+    add("The patient's right", CutSide::right);
+    add("Towards the head", CutSide::head);
+    add("Towards the feet", CutSide::feet);
+    cut->addSeparator();
+    add_action(
+        *cut, "Next", Qt::Key_V, "Nothing, the front, the back, one side after the other", [this] { next_cut_side(); });
+    mark_timer_.setSingleShot(true);
+    mark_timer_.setInterval(kMarkMs);
+    connect(&mark_timer_, &QTimer::timeout, this, [this] { show_space_again(); });
+}
+
+/// Has the organs drawn that are wanted and not there yet, in the background.
+void MainWindow::make_anatomy()
+{
+    if (!backend_.anatomy || !model_->take_anatomy_wish())
+        return;
+    ++closed_running_;
+    closed_executor_.post([this, generation = generation_, make = backend_.anatomy](const Job& job) {
+        auto made = std::make_shared<std::vector<SurfaceItem>>();
+        std::optional<Failure> failure;
+        try {
+            *made = make(job);
+        } catch (...) {
+            failure = with_controls(current_failure());
+        }
+        post_back(generation, [this, made, failure] {
+            --closed_running_;
+            model_->set_anatomy(std::move(*made));
+            show_space_again();
+            if (failure)
+                show_error(*failure);
+            show_all();
+        });
+    });
+}
+
+void MainWindow::set_wall_look(WallLook look)
+{
+    model_->set_wall_look(look);
+    make_anatomy();
+    show_space_again();
+    show_actions();
+}
+
+void MainWindow::next_wall_look()
+{
+    if (model_)
+        set_wall_look(model_->wall_look() == WallLook::solid   ? WallLook::see_through
+                : model_->wall_look() == WallLook::see_through ? WallLook::hidden
+                                                               : WallLook::solid);
+}
+
+void MainWindow::set_cut_side(std::optional<CutSide> side)
+{
+    model_->set_cut_side(side);
+    make_anatomy();
+    show_space_again();
+    show_actions();
+    if (side)
+        show_message("Shift and the wheel move the cut.");
+}
+
+void MainWindow::next_cut_side()
+{
+    if (!model_ || !model_->can_cut_away())
+        return;
+    const int next = model_->cut_side() ? static_cast<int>(*model_->cut_side()) + 1 : 0;
+    set_cut_side(next <= static_cast<int>(CutSide::feet) ? std::optional(static_cast<CutSide>(next)) : std::nullopt);
+}
+
+void MainWindow::show_space_again()
+{
+    if (model_ && shown_ == model_->shown_source() && shown_.pictures != nullptr)
+        show_again([](const Scene& scene) { return scene.slices.empty(); });
+}
+
+void MainWindow::show_place()
+{
+    if (slices_shown())
+        show_slices();
+    if (shown_ != model_->shown_source())
+        return;
+    if (const auto cut = model_->cut_away())
+        for (std::size_t i = 0; i < view_->scenes().size(); ++i)
+            if (view_->scenes()[i].cut_away)
+                view_->move_cut_away(i, *cut);
+    mark_timer_.start();
+}
+
+void MainWindow::step_cut(double notches)
+{
+    const auto cut = model_ ? model_->cut_away() : std::nullopt;
+    const auto box
+        = scene_bounds(model_ && model_->shown_state().closed ? model_->shown_state().closed->patient : Scene());
+    if (!cut || !box)
+        return;
+    const Vec3 wanted = cut->point + notches * kCutStepMm * cut->kept;
+    model_->set_slice_point(wanted.cwiseMax(box->low).cwiseMin(box->high));
+    show_place();
+}
+
+namespace {
+
+    /// The cut on a slice across the incision: from the skin to the end of the blade.
+    LineItem* blade_of(Scene& scene)
+    {
+        for (LineItem& line : scene.lines)
+            if (line.name == kCutName && line.points.size() == 2)
+                return &line;
+        return nullptr;
+    }
+
+} // namespace
+
+std::optional<SliceHandle> MainWindow::blade_handle() const
+{
+    if (!model_ || model_->shown_view() != ViewPreset::incision || only_looks() || knife_->scene() != nullptr)
+        return std::nullopt;
+    std::vector<Scene> scenes = view_->scenes();
+    for (std::size_t n = 0; n < scenes.size(); ++n)
+        if (const LineItem* const blade = blade_of(scenes[n]))
+            return SliceHandle { .scene = n, .place = blade->points.back() };
+    return std::nullopt;
+}
+
+void MainWindow::drag_blade(const Vec3& place, bool last)
+{
+    const auto handle = blade_handle();
+    if (!handle)
+        return;
+    Scene scene = view_->scenes().at(handle->scene);
+    LineItem& blade = *blade_of(scene);
+    const Vec3 into = place - blade.points.front();
+    if (last)
+        return editor_->change_blade(into.norm(), into);
+    blade.points.back() = place;
+    for (TextItem& word : scene.words) {
+        word.position = place;
+        word.text = formatted("%.0f mm deep", into.norm());
+    }
+    view_->replace_scene(handle->scene, std::move(scene));
+    view_->set_handle(blade_handle());
+}
+
+/// Says what was clicked in space, and marks it where it lies as in the CT.
+void MainWindow::name_place(std::size_t scene, const planner::Ray& ray)
+{
+    if (!model_ || knife_->scene() != nullptr || shown_ != model_->shown_source())
+        return;
+    const auto picked = pick(view_->scenes().at(scene), ray.origin, ray.direction);
+    if (!picked)
+        return;
+    QString name = QString::fromStdString(model_->name_of(*picked));
+    name.replace(0, 1, name.left(1).toUpper());
+    if (!model_->lies_as_in_ct(*picked))
+        return show_message(name);
+    model_->set_slice_point(picked->place);
+    show_place();
+    show_actions();
+    show_message(site_->isEnabled() ? name + ". T makes this place the target; 3 shows its slices." : name);
+}
+
+} // namespace retractor::ui

@@ -1,0 +1,52 @@
+// The search for an incision in the main window, and the weights of its score.
+
+#include "ui/workstation/main_window.h"
+#include "ui/workstation/planning/metrics_panel.h"
+#include "ui/workstation/planning/search_dialog.h"
+#include "ui/workstation/planning/weights_dialog.h"
+
+#include <QDialog>
+
+#include <vector>
+
+namespace retractor::ui {
+
+void MainWindow::search_incisions()
+{
+    if (search_dialog_ != nullptr) {
+        search_dialog_->raise();
+        return search_dialog_->activateWindow();
+    }
+    auto* dialog = new SearchDialog(model_->planned_case(), model_->weights(), backend_.search, this);
+    search_dialog_ = dialog;
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog->on_take = [this](const std::vector<planner::Proposal>& taken) {
+        planner::Case present = model_->planned_case();
+        const std::size_t before = present.approaches.size();
+        planner::add_proposals(present, taken);
+        const std::vector<planner::Approach> added(
+            present.approaches.begin() + static_cast<std::ptrdiff_t>(before), present.approaches.end());
+        model_->add_approaches(added, added.size() == 1 ? "add " + added.front().name : "add proposals");
+        model_->select(before);
+        editor_->on_edit();
+        show_message("Added: plan with P, compare with 5.");
+    };
+    dialog->show(); // the window can be used meanwhile
+}
+
+SearchDialog* MainWindow::search_dialog() const { return static_cast<SearchDialog*>(search_dialog_.data()); }
+
+void MainWindow::change_weights()
+{
+    auto* dialog = new WeightsDialog(model_->weights(), this);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog->on_change = [this, generation = generation_](const planner::Weights& weights) {
+        if (generation != generation_)
+            return;
+        model_->set_weights(weights);
+        panel_->show_model(model_.get());
+    };
+    dialog->show();
+}
+
+} // namespace retractor::ui

@@ -200,7 +200,7 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
         ++control->closed_made;
         return ui::ClosedPictures { .patient = patient_scene(approach, false),
             .slices = slices(),
-            .incision_slices = incision_slices(approach),
+            .incision_slices = control->incision_slices ? incision_slices(approach) : std::vector<ui::Scene> {},
             .label_names = {},
             .skin_under = front_under };
     };

@@ -20,6 +20,7 @@ struct SyntheticControl {
     std::atomic<bool> hold { false }; ///< plans wait until this is false or they are cancelled
     std::filesystem::path cuts_folder; ///< folder for cuts by hand; empty: cuts are not kept
     std::set<std::string> saved_plans; ///< approaches with a plan of an earlier session; of "broken" it is damaged
+    std::atomic<bool> incision_slices { false }; ///< approaches have a slice across the incision
     std::atomic<bool> hold_files { false }; ///< movies and reports wait until this is false or they are cancelled
     std::atomic<int> closed_made { 0 }, plans_made { 0 }, setups_made { 0 };
 };

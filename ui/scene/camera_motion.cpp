@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -60,6 +61,23 @@ Camera moved_alike(const Camera& camera, const Camera& before, const Camera& aft
     moved.view_angle_deg *= after.view_angle_deg / before.view_angle_deg;
     moved.half_height_mm *= after.half_height_mm / before.half_height_mm;
     return moved;
+}
+
+Camera endoscope_camera(const Camera& camera, double from_aim_mm, double optics_deg, double turned_deg)
+{
+    const Eigen::Matrix3d axes = axes_of(camera);
+    const Vec3 along = -axes.col(2);
+    const Eigen::AngleAxisd turn(turned_deg * kRadPerDeg, along);
+    const Vec3 up = turn * Vec3(axes.col(1)), right = along.cross(up);
+    const Eigen::AngleAxisd tilt(optics_deg * kRadPerDeg, right); // towards up
+    const double before = std::min(from_aim_mm, (camera.aim - camera.eye).norm());
+    Camera tip = camera;
+    tip.eye = camera.aim - before * along;
+    tip.aim = tip.eye + before * (tilt * along);
+    tip.up = tilt * up;
+    tip.view_angle_deg = kEndoscopeViewDeg;
+    tip.parallel = false;
+    return tip;
 }
 
 } // namespace retractor::ui

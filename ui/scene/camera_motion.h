@@ -17,6 +17,13 @@ Camera turned_round_aim(const Camera& camera, double deg);
 /// factor.
 Camera moved_alike(const Camera& camera, const Camera& before, const Camera& after);
 
+/// What an endoscope shows whose shaft lies on a camera's line of sight, with its tip before the aim. The optics look
+/// off the shaft by an angle, towards the camera's up vector turned about the shaft (seen along the shaft, clockwise).
+/// @param from_aim_mm distance of the tip from the aim; the tip does not come before the camera's eye
+Camera endoscope_camera(const Camera& camera, double from_aim_mm, double optics_deg, double turned_deg = 0.0);
+/// Angle over the picture's height that endoscopes for the chest show, degrees (ours: makers give 70 to 85).
+inline constexpr double kEndoscopeViewDeg = 75.0;
+
 /// 0 at 0, 1 at 1, and at rest at both ends.
 double eased(double share);
 

@@ -56,6 +56,15 @@ namespace {
             scene.words.push_back({ .text = "+", .position = places.front(), .color = kColor });
             return;
         }
+        if (measurement.area && places.size() > 2) {
+            line.points.push_back(places.front());
+            Vec3 middle = Vec3::Zero();
+            for (const Vec3& place : places)
+                middle += place / static_cast<double>(places.size());
+            scene.lines.push_back(std::move(line));
+            scene.words.push_back({ .text = text, .position = middle, .color = kColor });
+            return;
+        }
         scene.lines.push_back(std::move(line));
         const Vec3 at = places.size() == 2 ? Vec3(0.5 * (places[0] + places[1])) : places[1];
         scene.words.push_back({ .text = text, .position = at, .color = kColor });
@@ -63,9 +72,33 @@ namespace {
 
 } // namespace
 
+double polygon_area_mm2(const std::vector<Vec3>& corners)
+{
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t n = 0; n < corners.size(); ++n)
+        sum += (corners[n] - corners.front()).cross(corners[(n + 1) % corners.size()] - corners.front());
+    return 0.5 * sum.norm();
+}
+
+namespace {
+
+    std::string area_text(const std::vector<Vec3>& corners)
+    {
+        if (corners.size() < 3)
+            return {};
+        double round = 0.0;
+        for (std::size_t n = 0; n < corners.size(); ++n)
+            round += (corners[(n + 1) % corners.size()] - corners[n]).norm();
+        return formatted("%.1f cm\u00b2 (round it %.0f mm)", polygon_area_mm2(corners) / 100.0, round);
+    }
+
+} // namespace
+
 std::string measurement_text(const Measurement& measurement)
 {
     const std::vector<Vec3>& places = measurement.places;
+    if (measurement.area)
+        return area_text(places);
     if (places.size() < 2)
         return {};
     const double first = (places[1] - places[0]).norm();

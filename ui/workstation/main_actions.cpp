@@ -34,6 +34,7 @@ void MainWindow::make_actions()
     QMenu* help = menuBar()->addMenu("&Help");
     add_action(
         *help, "Manual", QKeySequence::HelpContents, "Open the manual at what is shown", [this] { open_manual(); });
+    add_action(*help, "Tour", {}, "See in eight steps what this window does", [this] { begin_tour(); });
     add_action(*help, "Save the log…", {}, "What the window said, to be attached to a report of a fault",
         [this] { ask_for_log_file(); });
     add_action(*help, "About Retractor", {}, "Show the version and the licence", [this] { show_about(); });
@@ -136,6 +137,10 @@ void MainWindow::make_view_actions(QMenu& menu)
     measure_ = add_action(menu, "Measure", Qt::Key_R, "Measure distances and angles on slices or on the skin",
         [this] { set_measuring(measure_->isChecked()); });
     measure_->setCheckable(true);
+    measure_area_ = add_action(menu, "Measure an area", QKeySequence("Shift+R"),
+        "Measure an area on slices or on the skin: click its corners",
+        [this] { set_measuring(measure_area_->isChecked(), true); });
+    measure_area_->setCheckable(true);
     correct_ = add_action(menu, "Correct labels", Qt::Key_C, "Paint, erase and rename labels on the slices",
         [this] { correct_labels(); });
     menu.addSeparator();
@@ -153,8 +158,7 @@ void MainWindow::make_approach_actions(QMenu& menu)
     draw_->setCheckable(true);
     move_ = add_action(menu, "Move", Qt::Key_M, "Drag the points of the incision", [this] { move_incision(); });
     move_->setCheckable(true);
-    finish_ = add_action(
-        menu, "Finish the incision", Qt::Key_Return, "End drawing or moving", [this] { editor_->finish(); });
+    finish_ = add_action(menu, "Finish the incision", Qt::Key_Return, "End drawing or moving", [this] { finish(); });
     finish_->setShortcuts({ QKeySequence(Qt::Key_Return), QKeySequence(Qt::Key_Enter) });
     menu.addSeparator();
     change_ = add_action(menu, "Target and opening…", Qt::Key_E, "Change the target, the retractor or the name",

@@ -4,10 +4,10 @@
 #include "planner/measures/provenance.h"
 #include "planner/measures/verdict.h"
 #include "ui/plan_scene/plan_scene.h"
-#include "ui/workstation/conference/conference_bar.h"
 #include "ui/workstation/conference/decision_dialogs.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/picture_view.h"
+#include "ui/workstation/view/step_bar.h"
 
 #include <QActionGroup>
 #include <QInputDialog>

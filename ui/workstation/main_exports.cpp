@@ -1,10 +1,10 @@
 // What the main window saves as files of its own: pictures, movies, the report, the cut wall and the log.
 
-#include "ui/workstation/conference/conference_bar.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/picture_view.h"
 #include "ui/workstation/view/png_file.h"
+#include "ui/workstation/view/step_bar.h"
 
 #include <QAction>
 #include <QFileDialog>

@@ -2,6 +2,7 @@
 
 #include "mesh/base/text_format.h"
 #include "ui/plan_scene/plan_scene.h"
+#include "ui/scene/camera_motion.h"
 #include "ui/scene/pick.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/picture_view.h"
@@ -9,6 +10,7 @@
 #include <QActionGroup>
 #include <QMenu>
 
+#include <cmath>
 #include <memory>
 #include <tuple>
 #include <utility>
@@ -20,6 +22,7 @@ namespace {
 
     constexpr int kMarkMs = 150; ///< the mark follows when the hand has rested for this time
     constexpr double kCutStepMm = 5.0;
+    constexpr double kObliqueDeg = 30.0, kTipMm = 50.0, kQuarterDeg = 90.0; ///< of endoscopes
 
 } // namespace
 
@@ -57,6 +60,18 @@ void MainWindow::make_look_actions(QMenu& menu)
     cut->addSeparator();
     add_action(
         *cut, "Next", Qt::Key_V, "Nothing, the front, the back, one side after the other", [this] { next_cut_side(); });
+    straight_optics_ = add_action(menu, "Endoscope, straight", Qt::Key_6,
+        "Look into the opened wound through an endoscope, 50 mm before the target",
+        [this] { look_through_endoscope(0.0); });
+    oblique_optics_ = add_action(menu, "Endoscope, 30°", Qt::Key_7,
+        "The same with optics that look 30° off the shaft; again: turned by 90° about the shaft",
+        [this] { look_through_endoscope(kObliqueDeg); });
+    large_ = add_action(menu, "One large picture", QKeySequence("Shift+L"),
+        "With slices, the picture in space fills two thirds of the view", [this] {
+            shown_ = {};
+            show_picture();
+        });
+    large_->setCheckable(true);
     mark_timer_.setSingleShot(true);
     mark_timer_.setInterval(kMarkMs);
     connect(&mark_timer_, &QTimer::timeout, this, [this] { show_space_again(); });
@@ -119,6 +134,24 @@ void MainWindow::next_cut_side()
         return;
     const int next = model_->cut_side() ? static_cast<int>(*model_->cut_side()) + 1 : 0;
     set_cut_side(next <= static_cast<int>(CutSide::feet) ? std::optional(static_cast<CutSide>(next)) : std::nullopt);
+}
+
+void MainWindow::look_through_endoscope(double optics_deg)
+{
+    const bool again = optics_deg_ == optics_deg && optics_deg > 0.0;
+    const double turned = again ? std::fmod(optics_turned_deg_ + kQuarterDeg, 4.0 * kQuarterDeg) : 0.0;
+    model_->set_show_opened(true);
+    set_view(ViewPreset::surgeon);
+    if (!view_->is_drawn() || shown_.view != ViewPreset::surgeon || !shown_.opened)
+        return;
+    const ApproachState& state = model_->shown_state();
+    view_->set_camera(endoscope_camera(state.field->surgeon.camera, kTipMm, optics_deg, turned));
+    optics_deg_ = optics_deg;
+    optics_turned_deg_ = turned;
+    show_message(optics_deg > 0.0
+            ? QString(
+                "Endoscope, 30° off its shaft, 50 mm before the target; 7 turns it, 0 goes back to the surgeon's eye.")
+            : QString("Endoscope, straight, 50 mm before the target; 0 goes back to the surgeon's eye."));
 }
 
 void MainWindow::show_space_again()

@@ -9,7 +9,6 @@
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
 #include "ui/scene/linked_slices.h"
-#include "ui/workstation/conference/conference_bar.h"
 #include "ui/workstation/help/manual_window.h"
 #include "ui/workstation/labels/label_editor.h"
 #include "ui/workstation/planning/approach_list.h"
@@ -23,6 +22,7 @@
 #include "ui/workstation/view/banner.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/picture_view.h"
+#include "ui/workstation/view/step_bar.h"
 #include "ui/workstation/view/theme.h"
 
 #include <QActionGroup>
@@ -94,6 +94,7 @@ MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
     make_editor();
     make_labels();
     make_conference();
+    make_tour();
     measure_tool_ = std::make_unique<ClickTool>([this](const QPointF& at) { measure_at(at); });
     make_actions();
     make_status_line();
@@ -215,9 +216,13 @@ void MainWindow::make_panes()
     column->addWidget(not_saved_banner_);
     column->addWidget(looking_banner_);
     column->addWidget(panes, 1);
-    conference_bar_ = new ConferenceBar;
+    conference_bar_ = new StepBar;
     conference_bar_->hide();
     column->addWidget(conference_bar_);
+    tour_bar_ = new StepBar;
+    tour_bar_->set_large(false);
+    tour_bar_->hide();
+    column->addWidget(tour_bar_);
     pages_ = new QStackedWidget;
     pages_->addWidget(page);
     setCentralWidget(pages_);
@@ -393,6 +398,7 @@ void MainWindow::make_start_page()
     start_page_->on_import = [this] { import_study(); };
     start_page_->on_open = [this] { ask_for_case(); };
     start_page_->on_demo_patient = [this] { open_demo_patient(free_case_folder("demo-patient")); };
+    start_page_->on_tour = [this] { begin_tour(); };
     start_page_->on_trainer = [this] { open_trainer(); };
     start_page_->on_cancel = [this] { reading_executor_.cancel(); };
     start_page_->on_recent = [this](const std::filesystem::path& file) { open_file(file); };
@@ -663,6 +669,7 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     if (search_dialog_ != nullptr)
         search_dialog()->abandon();
     editor_->set_case(nullptr, {});
+    end_tour();
     const bool is_same = model_ && model_->planned_case().file() == planned_case.file();
     model_ = std::make_unique<SessionModel>(std::move(planned_case));
     if (!is_same || only_looks())
@@ -692,6 +699,10 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     show_all();
     if (labels_tab_open())
         tabs_->setCurrentWidget(panel_); // the mouse turns the picture of the new case
+    if (!tour_case_.empty() && shown.file() == tour_case_) {
+        tour_case_.clear();
+        return begin_tour();
+    }
     if (!only_looks())
         labels_->mention_unsaved();
 }
@@ -728,6 +739,7 @@ void MainWindow::close_case()
     knife_->clear();
     if (search_dialog_ != nullptr)
         search_dialog()->abandon();
+    end_tour();
     editor_->set_case(nullptr, {});
     labels_->set_case({}, {});
     ++generation_;
@@ -902,6 +914,8 @@ void MainWindow::cancel()
         return set_conference(false);
     if (measuring_)
         return set_measuring(false);
+    if (in_tour() && !editor_->drawing() && knife_->mode() == KnifeMode::away && !labels_->active())
+        return end_tour();
     if (labels_->active())
         return tabs_->setCurrentWidget(panel_);
     if (!editor_->abandon() && !knife_->abandon())
@@ -1106,12 +1120,17 @@ void MainWindow::show_actions()
     measure_->setEnabled(model_ && shown_.pictures != nullptr && !knife_tab_open() && !labels_tab_open()
         && !editor_->drawing() && !compares);
     correct_->setEnabled(model_ && model_->view_available(ViewPreset::slices));
-    measure_->setChecked(measuring_);
+    measure_area_->setEnabled(measure_->isEnabled());
+    measure_->setChecked(measuring_ && !measuring_area_);
+    measure_area_->setChecked(measuring_area_);
+    straight_optics_->setEnabled(any && state->field != nullptr && !editor_->drawing());
+    oblique_optics_->setEnabled(straight_optics_->isEnabled());
+    large_->setEnabled(model_ && model_->view_available(ViewPreset::slices));
     draw_->setEnabled(editor_->draw_possible());
     draw_->setChecked(editor_->drawing() && !editor_->moving());
     move_->setEnabled(editor_->draw_possible() && any);
     move_->setChecked(editor_->moving());
-    finish_->setEnabled(editor_->drawing());
+    finish_->setEnabled(editor_->drawing() || measuring_area_);
     questions_->setEnabled(any);
     for (QAction* action : { change_, duplicate_, neighbours_, remove_, choose_ })
         action->setEnabled(any && !editor_->drawing());
@@ -1144,7 +1163,10 @@ void MainWindow::show_picture()
             = by_hand != nullptr ? std::vector<Scene> { knife_scene(*by_hand, source) } : model_->shown_scenes();
         shown_ = std::move(source);
         show_linked();
+        const bool large = large_->isChecked() && shows_slices(shown_.view);
+        view_->set_layout(large ? SceneLayout::one_large : SceneLayout::grid);
         view_->show_scenes(std::move(scenes));
+        optics_deg_ = -1.0;
         view_->set_handle(blade_handle());
         show_kept_view();
     } catch (...) {
@@ -1186,17 +1208,30 @@ void MainWindow::move_slices(const Vec3& point)
     show_place();
 }
 
-void MainWindow::set_measuring(bool on)
+void MainWindow::finish()
+{
+    if (!measuring_area_)
+        return editor_->finish();
+    model_->end_measurement();
+    show_message("Click the corners of the next area. Esc ends.");
+}
+
+void MainWindow::set_measuring(bool on, bool area)
 {
     const bool possible = model_ && shown_.pictures != nullptr && knife_->scene() == nullptr && !editor_->drawing();
     if (on && possible) {
         view_->set_tool(measure_tool_.get());
-        show_message("Click two places for a distance, a third for an angle. Esc ends, Ctrl+Z takes a place back.");
+        if (measuring_)
+            model_->end_measurement();
+        show_message(area ? "Click the corners of the area. Enter begins another, Esc ends, Ctrl+Z takes a corner back."
+                          : "Click two places for a distance, a third for an angle. Esc ends, Ctrl+Z takes a place "
+                            "back.");
     } else if (measuring_) {
         view_->set_tool(nullptr);
         show_message({});
     }
     measuring_ = on && possible;
+    measuring_area_ = measuring_ && area;
     show_all();
 }
 
@@ -1212,9 +1247,11 @@ void MainWindow::measure_at(const QPointF& at)
     }
     if (!place)
         return show_message(in_space ? "Click on the skin." : "Click on a slice.");
-    const std::string text = model_->measure(*place);
+    const std::string text = measuring_area_ ? model_->measure_area(*place) : model_->measure(*place);
     show_again([](const Scene&) { return true; });
-    show_message(text.empty() ? QString("Click the second place.") : QString::fromStdString(text));
+    show_message(!text.empty() ? QString::fromStdString(text)
+            : measuring_area_  ? QString("Click the next corner.")
+                               : QString("Click the second place."));
     show_undo();
 }
 
@@ -1303,7 +1340,7 @@ Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& sour
 void MainWindow::show_progress()
 {
     const bool plans = model_ && model_->busy(), busy = plans || exports_running_ > 0;
-    cancel_->setEnabled(busy || knife_->mode() != KnifeMode::away || editor_->drawing() || measuring_
+    cancel_->setEnabled(in_tour() || busy || knife_->mode() != KnifeMode::away || editor_->drawing() || measuring_
         || labels_->active() || in_conference());
     progress_->setVisible(busy);
     cancel_button_->setVisible(busy);

@@ -42,7 +42,7 @@ namespace retractor::ui {
 class ApproachList;
 class Banner;
 class CaseLock;
-class ConferenceBar;
+class StepBar;
 class LabelEditor;
 class LabelPanel;
 class MetricsPanel;
@@ -103,7 +103,8 @@ public:
     /// Begins or ends the conference: full screen, large type, the plans step by step.
     void set_conference(bool on);
     bool in_conference() const { return !steps_.empty(); }
-    ConferenceBar& conference_bar() { return *conference_bar_; }
+    StepBar& conference_bar() { return *conference_bar_; }
+    StepBar& tour_bar() { return *tour_bar_; }
 
     /// The log to be attached to a report of a fault.
     std::string log_text();
@@ -156,6 +157,14 @@ private:
     void make_editor();
     void make_labels();
 
+    // main_tour.cpp
+    void make_tour();
+    /// Shows what the window can do with the open case; without a case, with a new demo patient.
+    void begin_tour();
+    void go_to_tour_step(std::size_t step);
+    void end_tour();
+    bool in_tour() const { return tour_step_.has_value(); }
+
     // main_conference.cpp
     void make_conference();
     /// The steps of the case as it is now.
@@ -186,6 +195,8 @@ private:
     void set_cut_side(std::optional<CutSide> side);
     void next_cut_side();
     void make_anatomy();
+    /// Looks through an endoscope into the opened wound, or turns the one that is there. @param optics_deg 0 or 30
+    void look_through_endoscope(double optics_deg);
     void show_space_again(); ///< pictures in space anew, each from where it is seen now
     void show_place(); ///< the marked place has moved
     void step_cut(double notches);
@@ -248,7 +259,10 @@ private:
     void reset_view();
     void show_picture(); ///< keeps a picture that is still valid, with its camera
     void move_slices(const Vec3& point);
-    void set_measuring(bool on);
+    /// @param area clicks are the corners of an area
+    void set_measuring(bool on, bool area = false);
+    /// Ends what is drawn or measured, with Enter.
+    void finish();
     void measure_at(const QPointF& at);
     void show_again(const std::function<bool(const Scene&)>& which);
     void set_grey_window(std::size_t index);
@@ -297,9 +311,13 @@ private:
     LabelPanel* label_panel_ = nullptr;
     QWidget* approach_pane_ = nullptr;
     QToolBar* tool_bar_ = nullptr;
-    ConferenceBar* conference_bar_ = nullptr;
+    StepBar* conference_bar_ = nullptr;
     std::vector<planner::PresentationStep> steps_; ///< of the conference; empty: there is none
     std::size_t step_ = 0;
+    StepBar* tour_bar_ = nullptr;
+    std::optional<std::size_t> tour_step_; ///< nothing: there is no tour
+    std::filesystem::path tour_case_; ///< the tour begins when this case is opened; empty: none
+    double optics_deg_ = -1.0, optics_turned_deg_ = 0.0; ///< of the endoscope that is looked through; -1: none
     std::string decided_by_; ///< who decided or answered last, as the next proposal
     bool was_maximized_ = false; ///< before the conference
     SessionLog log_;
@@ -311,7 +329,9 @@ private:
             *questions_ = nullptr, *close_case_ = nullptr, *search_ = nullptr, *weights_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *compare_ = nullptr,
-            *measure_ = nullptr, *correct_ = nullptr, *confer_ = nullptr, *linked_ = nullptr, *reset_view_ = nullptr;
+            *measure_ = nullptr, *measure_area_ = nullptr, *large_ = nullptr, *straight_optics_ = nullptr,
+            *oblique_optics_ = nullptr, *correct_ = nullptr, *confer_ = nullptr, *linked_ = nullptr,
+            *reset_view_ = nullptr;
     QActionGroup *label_looks_ = nullptr, *presenter_keys_ = nullptr, *maps_ = nullptr, *wall_looks_ = nullptr,
                  *cut_sides_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
@@ -324,7 +344,7 @@ private:
     QPointer<QDialog> search_dialog_; ///< a SearchDialog
     std::unique_ptr<ApproachEditor> editor_;
     std::unique_ptr<PictureTool> measure_tool_;
-    bool measuring_ = false; ///< the mouse measures
+    bool measuring_ = false, measuring_area_ = false; ///< the mouse measures
 
     /// Of the case file as it was read or written last; used by the saving executor's thread.
     std::optional<std::filesystem::file_time_type> case_time_;

@@ -75,5 +75,25 @@ namespace camera_motion_test {
         EXPECT_LT((1.0 - eased(1.0 - kStep)) / kStep, 1e-4);
     }
 
+    TEST(EndoscopeCamera, LooksFromItsTipOffTheShaft)
+    {
+        const Camera surgeon { .eye = { 0.0, -400.0, 0.0 }, .aim = { 0.0, 100.0, 0.0 }, .up = { 0.0, 0.3, 1.0 } };
+        const Camera straight = endoscope_camera(surgeon, 50.0, 0.0);
+        EXPECT_NEAR((straight.eye - Vec3(0.0, 50.0, 0.0)).norm(), 0.0, 1e-9);
+        EXPECT_NEAR((straight.aim - surgeon.aim).norm(), 0.0, 1e-9);
+        EXPECT_NEAR((straight.up - Vec3::UnitZ()).norm(), 0.0, 1e-9);
+        EXPECT_EQ(straight.view_angle_deg, kEndoscopeViewDeg);
+        const auto sight = [](const Camera& camera) { return Vec3((camera.aim - camera.eye).normalized()); };
+        const double c = std::cos(std::numbers::pi / 6.0);
+        const Camera up = endoscope_camera(surgeon, 50.0, 30.0);
+        EXPECT_NEAR((sight(up) - Vec3(0.0, c, 0.5)).norm(), 0.0, 1e-9) << "30 degrees towards up";
+        EXPECT_NEAR(sight(up).dot(up.up), 0.0, 1e-9);
+        // Seen along the shaft (y, with z up) the patient's left (x) is on the right.
+        EXPECT_NEAR((sight(endoscope_camera(surgeon, 50.0, 30.0, 90.0)) - Vec3(0.5, c, 0.0)).norm(), 0.0, 1e-9);
+        EXPECT_NEAR((sight(endoscope_camera(surgeon, 50.0, 30.0, 180.0)) - Vec3(0.0, c, -0.5)).norm(), 0.0, 1e-9);
+        EXPECT_NEAR((endoscope_camera(surgeon, 900.0, 0.0).eye - surgeon.eye).norm(), 0.0, 1e-9)
+            << "not before the eye";
+    }
+
 } // namespace camera_motion_test
 } // namespace retractor::ui

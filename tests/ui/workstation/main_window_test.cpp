@@ -18,7 +18,9 @@
 #include "ui/workstation/benchmark/window_benchmark.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/approach_list.h"
+#include "ui/workstation/start/start_page.h"
 #include "ui/workstation/view/picture_view.h"
+#include "ui/workstation/view/step_bar.h"
 #include "ui/workstation/view/theme.h"
 
 #include <gtest/gtest.h>
@@ -182,6 +184,100 @@ namespace main_window_test {
         EXPECT_EQ(window_.model()->wall_look(), WallLook::solid);
         EXPECT_TRUE(has(kBodyName));
         EXPECT_FALSE(has("heart"));
+    }
+
+    TEST_F(MainWindowTest, AnAreaIsMeasuredOnASlice)
+    {
+        open_synthetic();
+        window_.set_view(ViewPreset::slices);
+        test_support::wait_until_idle(window_);
+        press(Qt::Key_R, Qt::ShiftModifier);
+        PictureView& view = window_.view();
+        const auto click_at = [&](double across, double up) { // shares of the view
+            const QPoint at(static_cast<int>(across * view.width()), static_cast<int>((1.0 - up) * view.height()));
+            EXPECT_TRUE(view.slice_place_at(at));
+            QTest::mouseClick(&view, Qt::LeftButton, {}, at);
+            QTest::qWait(QApplication::doubleClickInterval() + 10); // two clicks are no double click
+            return view.slice_place_at(at).value_or(Vec3::Zero());
+        };
+        const Vec3 a = click_at(0.2, 0.7), b = click_at(0.3, 0.7), c = click_at(0.3, 0.8);
+        const double triangle = 0.5 * (b - a).cross(c - a).norm();
+        EXPECT_GT(triangle, 10.0);
+        EXPECT_EQ(window_.message_line().find(QString::number(triangle / 100.0, 'f', 1).toStdString() + " cm"), 0U)
+            << window_.message_line();
+        press(Qt::Key_Z, Qt::ControlModifier);
+        press(Qt::Key_Return); // the next area
+        click_at(0.25, 0.75);
+        EXPECT_EQ(window_.message_line(), "Click the next corner.");
+        press(Qt::Key_Escape);
+        EXPECT_EQ(window_.message_line(), "");
+    }
+
+    TEST_F(MainWindowTest, AnEndoscopeLooksFromTheWoundAndIsTurned)
+    {
+        open_synthetic();
+        press(Qt::Key_P);
+        test_support::wait_until_idle(window_);
+        const Camera surgeon = window_.model()->state(0).field->surgeon.camera;
+        press(Qt::Key_6);
+        EXPECT_NEAR((window_.view().camera().eye - surgeon.aim).norm(), 50.0, 1e-6) << window_.error_line();
+        press(Qt::Key_7);
+        const Camera up = window_.view().camera();
+        press(Qt::Key_7);
+        const Camera right = window_.view().camera();
+        EXPECT_NEAR((up.eye - right.eye).norm(), 0.0, 1e-6);
+        EXPECT_GT((up.aim - right.aim).norm(), 20.0);
+        EXPECT_NE(window_.message_line().find("30\u00b0 off its shaft"), std::string::npos);
+        press(Qt::Key_0);
+        EXPECT_NEAR((window_.view().camera().eye - surgeon.eye).norm(), 0.0, 1e-6);
+    }
+
+    TEST_F(MainWindowTest, OnePictureIsLargeBesideTheSlices)
+    {
+        open_synthetic();
+        window_.set_view(ViewPreset::slices);
+        test_support::wait_until_idle(window_);
+        press(Qt::Key_L, Qt::ShiftModifier);
+        EXPECT_EQ(window_.view().layout_of_scenes(), SceneLayout::one_large);
+        EXPECT_FALSE(window_.view().slice_place_at({ 0.3 * window_.view().width(), 0.5 * window_.view().height() }));
+        EXPECT_TRUE(window_.view().slice_place_at({ 0.85 * window_.view().width(), 0.5 * window_.view().height() }));
+        EXPECT_GT(distinct_colours(window_.view().picture()), kColoursOfAPicture);
+        press(Qt::Key_1);
+        EXPECT_EQ(window_.view().layout_of_scenes(), SceneLayout::grid);
+    }
+
+    TEST_F(MainWindowTest, TheTourGoesThroughEightStepsAndEnds)
+    {
+        EXPECT_NE(window_.start_page().findChild<QAbstractButton*>("tour"), nullptr);
+        open_synthetic();
+        for (QAction* action : window_.findChildren<QAction*>())
+            if (action->text() == "Tour")
+                action->trigger();
+        ASSERT_TRUE(window_.tour_bar().isVisible());
+        std::set<QString> titles;
+        for (std::size_t step = 1;; ++step) {
+            test_support::wait_until_idle(window_);
+            EXPECT_EQ(window_.tour_bar().number(), step);
+            titles.insert(window_.tour_bar().title());
+            EXPECT_FALSE(window_.tour_bar().text().isEmpty());
+            if (step == window_.tour_bar().count())
+                break;
+            for (auto* button : window_.tour_bar().findChildren<QAbstractButton*>())
+                if (button->text() == "Next")
+                    QTest::mouseClick(button, Qt::LeftButton);
+        }
+        EXPECT_EQ(titles.size(), 8U);
+        EXPECT_EQ(window_.error_line(), "");
+        press(Qt::Key_Escape);
+        EXPECT_FALSE(window_.tour_bar().isVisible());
+        // Another case ends a tour.
+        for (QAction* action : window_.findChildren<QAction*>())
+            if (action->text() == "Tour")
+                action->trigger();
+        EXPECT_TRUE(window_.tour_bar().isVisible());
+        EXPECT_EQ(window_.model()->shown_view(), ViewPreset::overview);
+        window_.close_case();
+        EXPECT_FALSE(window_.tour_bar().isVisible());
     }
 
     TEST_F(MainWindowTest, ThePatientIsCutAwayUpToTheSlices)
@@ -713,6 +809,16 @@ namespace main_window_test {
         EXPECT_EQ(four[3].bottom, 0.0);
         EXPECT_EQ(four[3].right, 1.0);
         EXPECT_TRUE(arrange_scenes({}, 800.0, 600.0).empty());
+        const auto large = arrange_scenes(std::vector<Scene>(4), 900.0, 600.0, SceneLayout::one_large);
+        EXPECT_EQ(large.back().left, 0.0);
+        EXPECT_NEAR(large.back().right, 2.0 / 3.0, 1e-12);
+        EXPECT_EQ(large.back().top - large.back().bottom, 1.0);
+        double covered = 0.0;
+        for (const Viewport& place : large)
+            covered += (place.right - place.left) * (place.top - place.bottom);
+        EXPECT_NEAR(covered, 1.0, 1e-12);
+        EXPECT_EQ(large[0].top, 1.0);
+        EXPECT_EQ(large[2].bottom, 0.0);
         const auto three = arrange_scenes(std::vector<Scene>(3), 800.0, 600.0);
         ASSERT_EQ(three.size(), 3U);
         EXPECT_EQ(three[1].right, 1.0);

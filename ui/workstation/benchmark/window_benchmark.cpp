@@ -1,9 +1,9 @@
 #include "ui/workstation/benchmark/window_benchmark.h"
 
 #include "mesh/base/error.h"
-#include "ui/workstation/conference/conference_bar.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/picture_view.h"
+#include "ui/workstation/view/step_bar.h"
 
 #include <QCoreApplication>
 #include <QEventLoop>
@@ -280,7 +280,7 @@ std::vector<MotionFigures> measure_window(MainWindow& window, bool plan, double 
     for (const char* name : { "surgeon", "overview" })
         measure_view("opened", name);
     window.set_conference(true);
-    ConferenceBar& steps = window.conference_bar();
+    StepBar& steps = window.conference_bar();
     steps.on_step(1 - static_cast<int>(steps.number())); // from the first step on
     for (const std::size_t count = steps.count();; steps.on_step(1)) {
         settle(window, view);

@@ -608,9 +608,19 @@ std::vector<Scene> SessionModel::shown_scenes() const
 std::string SessionModel::measure(const Vec3& place)
 {
     constexpr std::size_t kOfAnAngle = 3;
-    if (measurements_.empty() || measurements_.back().places.size() == kOfAnAngle)
+    const bool ended = std::exchange(measurement_ended_, false);
+    if (measurements_.empty() || ended || measurements_.back().area || measurements_.back().places.size() == kOfAnAngle)
         measurements_.emplace_back();
     measurements_.back().places.push_back(place);
+    return measurement_text(measurements_.back());
+}
+
+std::string SessionModel::measure_area(const Vec3& corner)
+{
+    const bool ended = std::exchange(measurement_ended_, false);
+    if (measurements_.empty() || ended || !measurements_.back().area)
+        measurements_.push_back({ .area = true });
+    measurements_.back().places.push_back(corner);
     return measurement_text(measurements_.back());
 }
 

@@ -270,6 +270,10 @@ public:
     /// Adds a place to the measurement that was begun, or begins another: after a distance comes an angle, then a new
     /// measurement. @returns the measurement so far, in words
     std::string measure(const Vec3& place);
+    /// Adds a corner to the area that is measured, or begins one.
+    std::string measure_area(const Vec3& corner);
+    /// What is measured next is another one.
+    void end_measurement() { measurement_ended_ = true; }
     /// Takes the last place back. @return false when there is none
     bool unmeasure();
     bool has_measurements() const { return !measurements_.empty(); }
@@ -325,6 +329,7 @@ private:
     planner::Weights weights_ = planner::default_weights();
     std::optional<std::size_t> alone_;
     std::vector<Measurement> measurements_;
+    bool measurement_ended_ = false; ///< the last measurement takes no more places
     std::deque<std::size_t> waiting_; ///< ids
     std::optional<std::size_t> planning_, making_closed_, reading_saved_; ///< ids
 };

@@ -91,6 +91,7 @@ StartPage::StartPage(QWidget* parent)
     add("Open a case…", "A case that was imported before", "open", &StartPage::on_open);
     add("New demo patient", "A made-up chest with an aneurysm and three approaches", "demo",
         &StartPage::on_demo_patient);
+    add("Tour", "See in eight steps what this window does, with a demo patient", "tour", &StartPage::on_tour);
     add("Palpation trainer", "Feel a beating aortic arch with a hardened wall", "trainer", &StartPage::on_trainer);
     column->addStretch(1);
     row->addLayout(column);

@@ -29,7 +29,7 @@ public:
     void show_failure(const QString& text);
 
     // Set by the owner.
-    std::function<void()> on_import, on_open, on_demo_patient, on_trainer, on_cancel;
+    std::function<void()> on_import, on_open, on_demo_patient, on_tour, on_trainer, on_cancel;
     std::function<void(const std::filesystem::path&)> on_recent;
 
 private:

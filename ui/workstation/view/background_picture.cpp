@@ -60,7 +60,7 @@ PictureAnswer BackgroundPicture::answer(const PictureRequest& request)
         if (shown_.scenes != request.scenes || shown_.width != request.width || shown_.height != request.height) {
             shown_ = {};
             Picture picture { .width = request.width, .height = request.height };
-            picture.viewports = arrange_scenes(*request.scenes, request.width, request.height);
+            picture.viewports = arrange_scenes(*request.scenes, request.width, request.height, request.layout);
             for (std::size_t i = 0; i < picture.viewports.size(); ++i)
                 picture.viewports[i].scene.camera = request.cameras.at(i);
             renderer_->show(picture);

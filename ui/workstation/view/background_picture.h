@@ -3,6 +3,7 @@
 // waits for a slow picture.
 
 #include "mesh/base/serial_executor.h"
+#include "ui/scene/arrange_scenes.h"
 #include "ui/scene/scene.h"
 #include "ui/scene/vtk/render.h"
 
@@ -17,6 +18,7 @@ namespace retractor::ui {
 
 struct PictureRequest {
     std::shared_ptr<const std::vector<Scene>> scenes {}; ///< arranged as arrange_scenes() does
+    SceneLayout layout = SceneLayout::grid;
     std::vector<Camera> cameras {}; ///< one for each scene
     int width = 0, height = 0; ///< pixels
     int number = 0; ///< comes back with the answer

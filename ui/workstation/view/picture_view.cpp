@@ -154,6 +154,16 @@ void PictureView::show_scenes(std::vector<Scene> scenes)
     build(false);
 }
 
+std::vector<Viewport> PictureView::arranged() const { return arrange_scenes(*scenes_, width(), height(), layout_); }
+
+void PictureView::set_layout(SceneLayout layout)
+{
+    if (layout == layout_)
+        return;
+    layout_ = layout;
+    build(true);
+}
+
 void PictureView::replace_scene(std::size_t index, Scene scene)
 {
     check_scene(scene);
@@ -167,7 +177,7 @@ void PictureView::replace_scene(std::size_t index, Scene scene)
     scenes_ = std::move(scenes);
     if (is_drawn()) {
         Scene shown = draws_whole_scenes() ? scenes_->at(index) : coarse_scenes_.at(index);
-        const Viewport place = arrange_scenes(*scenes_, width(), height()).at(index);
+        const Viewport place = arranged().at(index);
         if (!draws_whole_scenes())
             sample_at_pixels(shown, (place.top - place.bottom) * height());
         drawn_->views.at(index).show(shown);
@@ -187,7 +197,8 @@ void PictureView::build(bool keep_cameras)
     const double ratio = devicePixelRatioF();
     const bool whole = draws_whole_scenes();
     drawn_->volumes.set_interactive(!whole);
-    for (Viewport& viewport : arrange_scenes(whole ? *scenes_ : coarse_scenes_, ratio * width(), ratio * height())) {
+    for (Viewport& viewport :
+        arrange_scenes(whole ? *scenes_ : coarse_scenes_, ratio * width(), ratio * height(), layout_)) {
         drawn_->views.emplace_back(
             *drawn_->window, viewport, drawn_->volumes, whole ? DrawingQuality::full : DrawingQuality::fast);
         const std::size_t index = drawn_->views.size() - 1;
@@ -217,7 +228,7 @@ bool PictureView::can_rest() const { return live_ == nullptr && full_error_.empt
 
 PictureRequest PictureView::request() const
 {
-    PictureRequest request { .scenes = scenes_, .cameras = cameras(), .number = number_ };
+    PictureRequest request { .scenes = scenes_, .layout = layout_, .cameras = cameras(), .number = number_ };
     request.width = static_cast<int>(std::lround(devicePixelRatioF() * width()));
     request.height = static_cast<int>(std::lround(devicePixelRatioF() * height()));
     return request;
@@ -355,7 +366,7 @@ std::optional<Vec3> PictureView::slice_place_at(const QPointF& at) const
     if (!is_drawn())
         return std::nullopt;
     const double across = at.x() / width(), up = 1.0 - at.y() / height();
-    const std::vector<Viewport> viewports = arrange_scenes(*scenes_, width(), height());
+    const std::vector<Viewport> viewports = arranged();
     for (std::size_t i = 0; i < viewports.size() && i < drawn_->views.size(); ++i) {
         const Viewport& v = viewports[i];
         if (v.scene.slices.size() != 1 || across < v.left || across >= v.right || up < v.bottom || up >= v.top)
@@ -370,7 +381,7 @@ std::optional<Vec3> PictureView::slice_place_at(const QPointF& at) const
 std::optional<QPointF> PictureView::shown_in(std::size_t index, const Vec3& place) const
 {
     RETRACTOR_ASSERT(is_drawn());
-    const Viewport in = arrange_scenes(*scenes_, width(), height()).at(index);
+    const Viewport in = arranged().at(index);
     const Camera camera = drawn_->views.at(index).camera();
     const Vec3 sight = (camera.aim - camera.eye).normalized();
     const Vec3 right = sight.cross(camera.up).normalized(), up = right.cross(sight);
@@ -469,7 +480,7 @@ std::optional<std::size_t> PictureView::slice_at(const QPointF& at) const
     if (!on_slice_point || !is_drawn())
         return std::nullopt;
     const double across = at.x() / width(), up = 1.0 - at.y() / height();
-    const std::vector<Viewport> viewports = arrange_scenes(*scenes_, width(), height());
+    const std::vector<Viewport> viewports = arranged();
     for (std::size_t i = 0; i < viewports.size(); ++i) {
         const Viewport& v = viewports[i];
         if (is_linked_slice(v.scene) && across >= v.left && across < v.right && up >= v.bottom && up < v.top)
@@ -483,7 +494,7 @@ std::optional<std::size_t> PictureView::scene_at(const QPointF& at) const
     if (!is_drawn())
         return std::nullopt;
     const double across = at.x() / width(), up = 1.0 - at.y() / height();
-    const std::vector<Viewport> viewports = arrange_scenes(*scenes_, width(), height());
+    const std::vector<Viewport> viewports = arranged();
     for (std::size_t i = 0; i < viewports.size(); ++i) {
         const Viewport& v = viewports[i];
         if (across >= v.left && across < v.right && up >= v.bottom && up < v.top)
@@ -539,7 +550,7 @@ bool PictureView::point_on_slice(const QMouseEvent& event)
         pointing_.reset(); // the button went up elsewhere
     if (!pointing_ || !is_drawn() || *pointing_ >= scenes_->size() || !is_linked_slice((*scenes_)[*pointing_]))
         return false;
-    const Viewport v = arrange_scenes(*scenes_, width(), height())[*pointing_];
+    const Viewport v = arranged()[*pointing_];
     const double wide = v.right - v.left, high = v.top - v.bottom;
     SliceItem slice = (*scenes_)[*pointing_].slices.front();
     slice.point = wanted_point_.value_or(slice.point);
@@ -551,7 +562,7 @@ bool PictureView::point_on_slice(const QMouseEvent& event)
 
 planner::Ray PictureView::ray_into(std::size_t index, const QPointF& at) const
 {
-    const Viewport place = arrange_scenes(*scenes_, width(), height()).at(index);
+    const Viewport place = arranged().at(index);
     const Camera camera = drawn_->views.at(index).camera();
     const Vec3 sight = (camera.aim - camera.eye).normalized();
     const Vec3 right = sight.cross(camera.up).normalized(), up = right.cross(sight);

@@ -71,6 +71,9 @@ public:
     /// @throws InputError as check_scene() does; the view then keeps its scenes
     void show_scenes(std::vector<Scene> scenes);
     const std::vector<Scene>& scenes() const { return *scenes_; }
+    /// How several scenes share the view; scenes in space keep their cameras.
+    void set_layout(SceneLayout layout);
+    SceneLayout layout_of_scenes() const { return layout_; }
 
     /// Whether all scenes in space move alike when the mouse moves one of them.
     void set_linked(bool linked);
@@ -176,6 +179,7 @@ private:
     void show_full(const PictureAnswer& answer);
     void place_note();
     bool handle_mouse(QMouseEvent& event);
+    std::vector<Viewport> arranged() const; ///< the scenes as the view shows them
     /// The scene whose linked slice lies under a place of the widget.
     std::optional<std::size_t> slice_at(const QPointF& at) const;
     std::optional<std::size_t> scene_at(const QPointF& at) const;
@@ -217,6 +221,7 @@ private:
     int pictures_ = 0;
     bool coarse_ = false;
     bool linked_ = false;
+    SceneLayout layout_ = SceneLayout::grid;
     std::vector<Camera> drawn_cameras_; ///< of the last picture
     bool ready_ = false; ///< there is an OpenGL context
     bool painting_ = false; ///< Qt paints the widget

@@ -4,12 +4,12 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/window_help.h"
 
-#include "ui/workstation/conference/conference_bar.h"
 #include "ui/workstation/help/manual_window.h"
 #include "ui/workstation/help/session_log.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/view/picture_view.h"
+#include "ui/workstation/view/step_bar.h"
 
 #include <gtest/gtest.h>
 

@@ -46,6 +46,7 @@ namespace approach_editor_test {
             planned_case.folder = folder_;
             planned_case.labels = { "labels.nrrd", std::string(64, '0') };
             planned_case.supports.labels.clear();
+            control_->incision_slices = true;
             test_support::show_window(window_);
             window_.open(std::move(planned_case));
             test_support::wait_until_idle(window_);

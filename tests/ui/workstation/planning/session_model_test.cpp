@@ -335,6 +335,25 @@ namespace session_model_test {
         EXPECT_NE(scenes[2].camera.eye, scenes[3].camera.eye);
     }
 
+    TEST(Measurement, AnAreaIsThatOfItsPolygon)
+    {
+        // An L of 20 x 20 mm without its quarter, in a plane in no direction of the axes.
+        const Vec3 u = Vec3(1.0, 2.0, 2.0) / 3.0, v = Vec3(2.0, 1.0, -2.0) / 3.0, from(5.0, -7.0, 11.0);
+        Measurement area { .area = true };
+        for (const auto& [x, y] : { std::pair { 0, 0 }, { 20, 0 }, { 20, 10 }, { 10, 10 }, { 10, 20 }, { 0, 20 } })
+            area.places.push_back(from + x * u + y * v);
+        EXPECT_NEAR(polygon_area_mm2(area.places), 300.0, 1e-9);
+        EXPECT_EQ(measurement_text(area), "3.0 cm\u00b2 (round it 80 mm)");
+        std::reverse(area.places.begin(), area.places.end());
+        EXPECT_NEAR(polygon_area_mm2(area.places), 300.0, 1e-9) << "in either direction";
+        area.places.resize(2);
+        EXPECT_EQ(measurement_text(area), "") << "two corners";
+        std::vector<Scene> scenes(1);
+        area.places.push_back(from + 20.0 * v);
+        draw_measurements(scenes, { area });
+        EXPECT_EQ(scenes[0].lines.at(0).points.size(), 4U) << "closed";
+    }
+
     TEST(SessionModel, MeasurementsLieInTheirPlanesAndAreTakenBackByPlaces)
     {
         SessionModel model(three_approaches());

@@ -1,5 +1,5 @@
 #pragma once
-// The caption under the picture in a conference: large type, the number of the step, and buttons for the mouse.
+// The caption under the picture in a conference or a tour: the number of the step, and buttons for the mouse.
 
 #include "planner/decision/presentation.h"
 
@@ -12,10 +12,12 @@ class QPushButton;
 
 namespace retractor::ui {
 
-class ConferenceBar : public QWidget {
+class StepBar : public QWidget {
 public:
-    explicit ConferenceBar(QWidget* parent = nullptr);
+    explicit StepBar(QWidget* parent = nullptr);
 
+    /// The type is large, for a room, or small; then nothing can be saved.
+    void set_large(bool large);
     /// @param number of the step, from 1
     void show_step(const planner::PresentationStep& step, std::size_t number, std::size_t count);
     /// A line under the text: what is being saved, or what went wrong; empty: none.
@@ -32,7 +34,7 @@ public:
 private:
     std::size_t number_of_step_ = 0, count_of_steps_ = 0;
     QLabel *title_ = nullptr, *text_ = nullptr, *number_ = nullptr, *note_ = nullptr;
-    QPushButton *back_ = nullptr, *next_ = nullptr;
+    QPushButton *back_ = nullptr, *next_ = nullptr, *movie_ = nullptr, *report_ = nullptr, *end_ = nullptr;
 };
 
 } // namespace retractor::ui

@@ -30,6 +30,10 @@ namespace {
     {
         if (!std::isfinite(change))
             return "; the linear tissue beyond has inverted elements: a plan can solve the whole wall nonlinearly";
+        constexpr double kUseless = 1.0; // the error is as large as the answer
+        if (change > kUseless)
+            return "; the linear tissue beyond is off by more than 100 %: do not rely on these forces, plan the "
+                   "approach";
         return "; the linear tissue beyond has an error of about " + std::to_string(std::lround(100.0 * change))
             + " %: a plan can solve the whole wall nonlinearly";
     }

@@ -313,7 +313,7 @@ namespace near_wound_test {
         settle(live_session);
         const HookReport report = live_session.hooks();
         ASSERT_EQ(report.shown, ShownAnswer::nonlinear) << report.shown_text;
-        EXPECT_NE(report.shown_text.find("; the linear tissue beyond has an error of about"), std::string::npos)
+        EXPECT_NE(report.shown_text.find("; the linear tissue beyond "), std::string::npos)
             << report.shown_text;
         live_session.pull_hooks_by_share(0.01);
         settle(live_session);

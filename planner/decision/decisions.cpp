@@ -26,10 +26,23 @@ std::string folder_name(const Case& planned_case)
     return planned_case.patient ? datasets::without_identity(name, { *planned_case.patient }) : name;
 }
 
-std::filesystem::path decisions_file(const Case& planned_case)
+std::filesystem::path decisions_file(const std::filesystem::path& case_file)
 {
-    std::filesystem::path file = planned_case.file();
+    std::filesystem::path file = case_file;
     return file.replace_extension(".decisions.json");
+}
+
+std::string note_of(const Decisions& decisions, const std::string& step)
+{
+    const auto found = std::ranges::find(decisions.notes, step, &StepNote::step);
+    return found == decisions.notes.end() ? std::string() : found->text;
+}
+
+void set_note(Decisions& decisions, const std::string& step, const std::string& text)
+{
+    std::erase_if(decisions.notes, [&](const StepNote& note) { return note.step == step; });
+    if (!text.empty())
+        decisions.notes.push_back({ .step = step, .text = text });
 }
 
 void check_choice(const Choice& choice, const std::string& where)

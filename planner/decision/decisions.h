@@ -61,17 +61,30 @@ struct NamedView {
     double view_angle_deg = 30.0; ///< over the picture's height
 };
 
+/// What the presenter wants to say at a step of the conference.
+struct StepNote {
+    std::string step; ///< its title (PresentationStep)
+    std::string text;
+};
+
 struct Decisions {
     std::vector<Choice> choices; ///< the oldest first; the last one holds
     std::vector<Answers> answers; ///< the oldest first
     std::vector<NamedView> views {}; ///< in the order in which they were kept
+    std::vector<StepNote> notes {}; ///< one for each step at most
 };
+
+/// The note of a step; empty: there is none.
+std::string note_of(const Decisions& decisions, const std::string& step);
+/// Sets the note of a step; an empty one is taken out.
+void set_note(Decisions& decisions, const std::string& step, const std::string& text);
 
 /// The name of the folder of a case, without words of the identity that the case keeps.
 std::string folder_name(const Case& planned_case);
 
 /// "case.decisions.json" beside "case.json".
-std::filesystem::path decisions_file(const Case& planned_case);
+std::filesystem::path decisions_file(const std::filesystem::path& case_file);
+inline std::filesystem::path decisions_file(const Case& planned_case) { return decisions_file(planned_case.file()); }
 
 /// The decisions of a file; none where there is no file.
 /// @throws IoError when the file cannot be read; InputError with the JSON pointer in where() on bad JSON, unknown or

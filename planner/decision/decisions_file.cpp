@@ -162,7 +162,7 @@ Decisions read_decisions(const std::filesystem::path& file)
     const std::string where = file.string() + "#";
     if (json.is_discarded())
         throw InputError("this is not JSON", file.string());
-    check_keys(json, where, { "schema", "choices", "answers" }, { "views" });
+    check_keys(json, where, { "schema", "choices", "answers" }, { "views", "notes" });
     if (json.at("schema") != kSchema)
         throw InputError("another schema of decisions than " + std::to_string(kSchema), where + "/schema");
     Decisions decisions;
@@ -173,6 +173,12 @@ Decisions read_decisions(const std::filesystem::path& file)
     if (json.contains("views"))
         for (const Json& one : list_in(json, where, "views"))
             decisions.views.push_back(view_of(one, where + "/views/" + std::to_string(decisions.views.size())));
+    if (json.contains("notes"))
+        for (const Json& one : list_in(json, where, "notes")) {
+            const std::string place = where + "/notes/" + std::to_string(decisions.notes.size());
+            check_keys(one, place, { "step", "text" });
+            decisions.notes.push_back({ .step = text_in(one, place, "step"), .text = text_in(one, place, "text") });
+        }
     return decisions;
 }
 
@@ -193,6 +199,8 @@ void write_decisions(const std::filesystem::path& file, const Decisions& decisio
         check_view(view, "/views/" + std::to_string(json["views"].size()));
         json["views"].push_back(json_of(view));
     }
+    for (const StepNote& note : decisions.notes)
+        json["notes"].push_back({ { "step", note.step }, { "text", note.text } });
     write_file_atomically(file, json.dump(2) + "\n");
 }
 

@@ -40,7 +40,7 @@ void MainWindow::make_actions()
     add_action(*help, "About Retractor", {}, "Show the version and the licence", [this] { show_about(); });
     // Keys that work without the menus, in a conference.
     addActions({ surgeon_, overview_, slices_, incision_, compare_, opened_, cancel_, confer_, movie_, report_, linked_,
-        reset_view_, keep_view_ });
+        reset_view_, keep_view_, notes_action_ });
     make_tool_bar();
 }
 
@@ -147,6 +147,10 @@ void MainWindow::make_view_actions(QMenu& menu)
     confer_ = add_action(menu, "Conference", Qt::Key_F5, "Full screen, large type: the plans step by step",
         [this] { set_conference(confer_->isChecked()); });
     confer_->setCheckable(true);
+    notes_action_ = add_action(menu, "Notes", Qt::Key_F6,
+        "In the conference: the presenter's notes, on a second screen where there is one",
+        [this] { show_notes(notes_action_->isChecked()); });
+    notes_action_->setCheckable(true);
 }
 
 void MainWindow::make_approach_actions(QMenu& menu)
@@ -180,6 +184,8 @@ void MainWindow::make_approach_actions(QMenu& menu)
         "Record that the team chooses this approach, and why", [this] { choose_approach(); });
     questions_ = add_action(menu, "Six questions…", QKeySequence("Shift+Q"),
         "Answer the questions about the planned field", [this] { ask_questions(); });
+    add_action(menu, "Answers over cases…", {}, "Sum up the answers to the six questions over several cases",
+        [this] { ask_for_answered_cases(); });
     menu.addSeparator();
     plan_ = add_action(menu, "Plan", Qt::Key_P, "Cut, open and measure this approach", [this] { plan_selected(); });
     plan_all_ = add_action(

@@ -5,11 +5,13 @@
 #include "planner/measures/verdict.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/workstation/conference/decision_dialogs.h"
+#include "ui/workstation/conference/notes_window.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/picture_view.h"
 #include "ui/workstation/view/step_bar.h"
 
 #include <QActionGroup>
+#include <QFileDialog>
 #include <QInputDialog>
 #include <QMenuBar>
 #include <QPainter>
@@ -91,6 +93,33 @@ void MainWindow::make_conference()
     add_keys({ Qt::Key_Home }, [this] { go_to_step(0); });
     add_keys({ Qt::Key_End }, [this] { go_to_step(steps_.size() - 1); });
     presenter_keys_->setEnabled(false);
+    notes_ = new NotesWindow(this);
+    notes_->on_step = [this](int steps) { step_by(steps); };
+    notes_->on_close = [this] { show_actions(); };
+    notes_->on_note = [this](const QString& step, const QString& text) {
+        if (model_ && !only_looks())
+            change_decisions([step = step.toStdString(), text = text.toStdString()](
+                                 planner::Decisions& decisions) { planner::set_note(decisions, step, text); },
+                "The note is kept");
+    };
+}
+
+void MainWindow::show_notes(bool shown)
+{
+    if (!shown || !in_conference())
+        return static_cast<void>(notes_->close());
+    notes_->begin();
+    show_step_in_notes();
+}
+
+void MainWindow::show_step_in_notes()
+{
+    if (!notes_->isVisible() || !in_conference())
+        return;
+    const planner::PresentationStep& step = steps_[step_];
+    notes_->show_step(QString::fromStdString(step.title), QString::fromStdString(step.text),
+        step_ + 1 < steps_.size() ? QString::fromStdString(steps_[step_ + 1].title) : QString(),
+        QString::fromStdString(planner::note_of(model_->decisions(), step.title)));
 }
 
 void MainWindow::show_frame(bool shown)
@@ -117,6 +146,7 @@ void MainWindow::set_conference(bool on)
         showFullScreen();
         view_->setCursor(pointer());
     } else {
+        notes_->close();
         steps_.clear();
         was_maximized_ ? showMaximized() : showNormal();
         view_->unsetCursor();
@@ -153,6 +183,7 @@ void MainWindow::renew_steps()
     });
     step_ = same == steps_.end() ? 0 : static_cast<std::size_t>(same - steps_.begin());
     conference_bar_->show_step(steps_[step_], step_ + 1, steps_.size());
+    show_step_in_notes();
 }
 
 void MainWindow::step_by(int steps)
@@ -176,6 +207,7 @@ void MainWindow::go_to_step(std::size_t number)
     model_->set_show_opened(shows_opened(step));
     conference_bar_->show_step(step, number + 1, steps_.size());
     conference_bar_->show_note({}); // what was said of an earlier step
+    show_step_in_notes();
     hand_out_work();
     show_all();
     show_kept_view();
@@ -306,6 +338,36 @@ void MainWindow::choose_approach()
             decisions.choices.back().when = planner::utc_text(std::chrono::system_clock::now());
         },
         QString::fromStdString("Chosen: " + planner::spoken_name(approach)));
+}
+
+void MainWindow::ask_for_answered_cases()
+{
+    const QStringList files
+        = QFileDialog::getOpenFileNames(this, "Cases whose answers are summed up", {}, "Case (case.json *.json)");
+    std::vector<std::filesystem::path> paths;
+    for (const QString& file : files)
+        paths.emplace_back(file.toStdString());
+    if (!paths.empty())
+        summarize_answers(paths);
+}
+
+void MainWindow::summarize_answers(const std::vector<std::filesystem::path>& case_files)
+{
+    std::vector<std::vector<planner::Answers>> cases;
+    QStringList remarks;
+    for (const std::filesystem::path& file : case_files) {
+        const QString name = QString::fromStdString(file.parent_path().filename().string());
+        try {
+            cases.push_back(planner::read_decisions(planner::decisions_file(file)).answers);
+            if (cases.back().empty())
+                remarks += name + ": nobody has answered yet";
+        } catch (const Error& error) {
+            remarks += name + ": " + error.what();
+        }
+    }
+    auto* dialog = new SummaryDialog(cases, remarks.join('\n'), this);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog->open();
 }
 
 void MainWindow::ask_questions()

@@ -110,6 +110,12 @@ void MainWindow::set_wall_look(WallLook look)
     show_actions();
 }
 
+void MainWindow::set_opened(bool opened)
+{
+    model_->set_show_opened(opened);
+    show_all();
+}
+
 void MainWindow::next_wall_look()
 {
     if (model_)

@@ -9,6 +9,7 @@
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
 #include "ui/scene/linked_slices.h"
+#include "ui/workstation/conference/notes_window.h"
 #include "ui/workstation/help/manual_window.h"
 #include "ui/workstation/labels/label_editor.h"
 #include "ui/workstation/planning/approach_list.h"
@@ -1092,6 +1093,8 @@ void MainWindow::show_actions()
     }
     confer_->setEnabled(model_ != nullptr);
     confer_->setChecked(in_conference());
+    notes_action_->setEnabled(in_conference());
+    notes_action_->setChecked(notes_->isVisible());
     grey_windows_->actions().at(static_cast<int>(model_ ? model_->grey_window() : 0))->setChecked(true);
     const bool compares = model_ && model_->shown_view() == ViewPreset::compare;
     wall_looks_->setEnabled(model_ != nullptr);

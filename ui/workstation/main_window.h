@@ -46,6 +46,7 @@ class StepBar;
 class LabelEditor;
 class LabelPanel;
 class MetricsPanel;
+class NotesWindow;
 class PictureView;
 class SearchDialog;
 class StartPage;
@@ -74,6 +75,10 @@ public:
     /// @throws InputError naming the existing approaches
     void select(const std::string& approach);
     void set_view(ViewPreset view);
+    /// How the body's wall is drawn in space. @pre a case is open
+    void set_wall_look(WallLook look);
+    /// Shows planned approaches opened, or as before the cut. @pre a case is open
+    void set_opened(bool opened);
     void plan_selected();
     void plan_all();
     /// Takes back an open stroke, or else stops planning.
@@ -105,6 +110,9 @@ public:
     bool in_conference() const { return !steps_.empty(); }
     StepBar& conference_bar() { return *conference_bar_; }
     StepBar& tour_bar() { return *tour_bar_; }
+    NotesWindow& notes() { return *notes_; }
+    /// Shows what the answers of several case files come to.
+    void summarize_answers(const std::vector<std::filesystem::path>& case_files);
 
     /// The log to be attached to a report of a fault.
     std::string log_text();
@@ -183,6 +191,9 @@ private:
     void change_weights();
     void choose_approach();
     void ask_questions();
+    void ask_for_answered_cases();
+    void show_notes(bool shown);
+    void show_step_in_notes();
     /// Reads the decisions again, changes them and writes them, in the background.
     void change_decisions(std::function<void(planner::Decisions&)> change, const QString& message);
     void read_decisions();
@@ -190,7 +201,6 @@ private:
     void set_label_look(LabelLook look);
     // main_look.cpp
     void make_look_actions(QMenu& menu);
-    void set_wall_look(WallLook look);
     void next_wall_look();
     void set_cut_side(std::optional<CutSide> side);
     void next_cut_side();
@@ -315,6 +325,7 @@ private:
     std::vector<planner::PresentationStep> steps_; ///< of the conference; empty: there is none
     std::size_t step_ = 0;
     StepBar* tour_bar_ = nullptr;
+    NotesWindow* notes_ = nullptr; ///< the presenter's
     std::optional<std::size_t> tour_step_; ///< nothing: there is no tour
     std::filesystem::path tour_case_; ///< the tour begins when this case is opened; empty: none
     double optics_deg_ = -1.0, optics_turned_deg_ = 0.0; ///< of the endoscope that is looked through; -1: none
@@ -326,7 +337,8 @@ private:
             *undo_ = nullptr, *redo_ = nullptr;
     QAction *new_approach_ = nullptr, *draw_ = nullptr, *move_ = nullptr, *finish_ = nullptr, *change_ = nullptr,
             *site_ = nullptr, *duplicate_ = nullptr, *neighbours_ = nullptr, *remove_ = nullptr, *choose_ = nullptr,
-            *questions_ = nullptr, *close_case_ = nullptr, *search_ = nullptr, *weights_ = nullptr;
+            *questions_ = nullptr, *close_case_ = nullptr, *search_ = nullptr, *weights_ = nullptr,
+            *notes_action_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *compare_ = nullptr,
             *measure_ = nullptr, *measure_area_ = nullptr, *large_ = nullptr, *straight_optics_ = nullptr,

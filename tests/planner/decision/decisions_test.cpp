@@ -139,6 +139,23 @@ namespace decisions_test {
         EXPECT_EQ(read.choices.size(), 2U);
     }
 
+    TEST(Decisions, NotesAreKeptByStepAndTakenOutWhenTheyAreEmpty)
+    {
+        Decisions decisions;
+        set_note(decisions, "median: the incision", "show the scar first");
+        set_note(decisions, "Comparison", "ask Dr. Mori");
+        set_note(decisions, "median: the incision", "show the \"scar\" first\nthen the CT");
+        const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "notes.decisions.json";
+        write_decisions(file, decisions);
+        Decisions read = read_decisions(file);
+        ASSERT_EQ(read.notes.size(), 2U);
+        EXPECT_EQ(note_of(read, "median: the incision"), "show the \"scar\" first\nthen the CT");
+        EXPECT_EQ(note_of(read, "Comparison"), "ask Dr. Mori");
+        EXPECT_EQ(note_of(read, "another"), "");
+        set_note(read, "Comparison", "");
+        EXPECT_EQ(read.notes.size(), 1U);
+    }
+
     TEST(Decisions, AViewFromWhichNothingCanBeDrawnIsRefused)
     {
         const auto refused = [](auto change) {

@@ -136,6 +136,54 @@ planner::Answers AnswersDialog::answers() const
     return answers;
 }
 
+SummaryDialog::SummaryDialog(
+    const std::vector<std::vector<planner::Answers>>& cases, const QString& remarks, QWidget* parent)
+    : QDialog(parent)
+{
+    setObjectName("summary");
+    setWindowTitle("Answers over cases");
+    setMinimumWidth(kWidthPx);
+    auto* column = new QVBoxLayout(this);
+    auto* head = plain_label();
+    head->setText(QString("%1 %2. Of several answers of one person to one case the last one counts.")
+                      .arg(cases.size())
+                      .arg(cases.size() == 1 ? "case" : "cases"));
+    column->addWidget(head);
+    const QStringList captions { "Question", "Answers", "Mean", "Range", "1", "2", "3", "4", "5" };
+    auto* grid = new QGridLayout;
+    grid->setHorizontalSpacing(16);
+    grid->setVerticalSpacing(8);
+    for (int n = 0; n < captions.size(); ++n)
+        grid->addWidget(new QLabel("<b>" + captions.at(n) + "</b>"), 0, n);
+    const auto summary = planner::summary_of(cases);
+    for (std::size_t q = 0; q < summary.size(); ++q) {
+        const planner::QuestionSummary& one = summary.at(q);
+        const int row = static_cast<int>(q) + 1;
+        auto* question = new QLabel(planner::kQuestions.at(q).title);
+        question->setToolTip(planner::kQuestions.at(q).sentence);
+        QStringList cells { QString::number(one.answers), one.answers > 0 ? QString::number(one.mean, 'f', 1) : "-",
+            one.answers > 0 ? QString("%1 to %2").arg(*one.least).arg(*one.most) : "-" };
+        for (const int count : one.count)
+            cells += QString::number(count);
+        grid->addWidget(question, row, 0);
+        for (int n = 0; n < cells.size(); ++n) {
+            auto* cell = new QLabel(cells.at(n));
+            cell->setObjectName(QString("%1-%2").arg(planner::kQuestions.at(q).key).arg(n));
+            grid->addWidget(cell, row, n + 1);
+        }
+    }
+    grid->setColumnStretch(0, 1);
+    column->addLayout(grid);
+    if (!remarks.isEmpty()) {
+        auto* more = plain_label("color: #f0a35e;");
+        more->setText(remarks);
+        column->addWidget(more);
+    }
+    auto* buttons = new QDialogButtonBox(QDialogButtonBox::Close);
+    column->addWidget(buttons);
+    connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
+}
+
 std::string answers_text(const planner::Decisions& decisions)
 {
     const auto summary = planner::summary_of({ decisions.answers });

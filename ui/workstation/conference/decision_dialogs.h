@@ -7,6 +7,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 class QButtonGroup;
 class QLabel;
@@ -48,6 +49,14 @@ private:
     QLineEdit *by_ = nullptr, *note_ = nullptr;
     std::array<QButtonGroup*, planner::kQuestions.size()> points_ {};
     QPushButton* accept_ = nullptr;
+};
+
+/// What the answers to several cases come to: for each question their number, mean, range and how often 1 to 5 points
+/// were given.
+class SummaryDialog : public QDialog {
+public:
+    /// @param cases the answers of each case; @param remarks cases without answers, and those that cannot be read
+    SummaryDialog(const std::vector<std::vector<planner::Answers>>& cases, const QString& remarks, QWidget* parent);
 };
 
 /// The means of all answers to a case, in words; empty: there are none.

@@ -4,6 +4,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/window_help.h"
 
+#include "ui/workstation/conference/notes_window.h"
 #include "ui/workstation/help/manual_window.h"
 #include "ui/workstation/help/session_log.h"
 #include "ui/workstation/main_window.h"
@@ -254,6 +255,68 @@ namespace conference_window_test {
         window_.save_movie(folder.path / "frames.webm", true);
         test_support::wait_until_idle(window_);
         EXPECT_EQ(text_of(folder.path / "frames.webm"), "median with pictures");
+    }
+
+    TEST_F(ConferenceTest, ThePresenterHasNotesThatAreKeptByStep)
+    {
+        const test_support::TemporaryFolder folder;
+        const planner::Case planned_case = open_on_disk(folder.path);
+        press(Qt::Key_F6);
+        EXPECT_FALSE(window_.notes().isVisible()) << "there is no conference";
+        press(Qt::Key_F5);
+        press(Qt::Key_F6);
+        ASSERT_TRUE(window_.notes().isVisible());
+        EXPECT_TRUE(window_.notes().next().startsWith("Next: ")) << window_.notes().next().toStdString();
+        auto* note = window_.notes().findChild<QPlainTextEdit*>("note");
+        ASSERT_NE(note, nullptr);
+        const std::string first = title();
+        note->setPlainText("show the scar first");
+        QTest::keyClick(&window_.notes(), Qt::Key_PageDown); // the presenter looks at the notes
+        test_support::wait_until_idle(window_);
+        EXPECT_NE(title(), first);
+        EXPECT_EQ(window_.notes().note(), "");
+        const auto kept = [&] { return planner::read_decisions(planner::decisions_file(planned_case)); };
+        EXPECT_EQ(planner::note_of(kept(), first), "show the scar first") << window_.error_line();
+        QApplication::setActiveWindow(&window_);
+        press(Qt::Key_PageUp);
+        EXPECT_EQ(window_.notes().note(), "show the scar first");
+        note->setPlainText("");
+        press(Qt::Key_Escape); // the end keeps what was written
+        EXPECT_FALSE(window_.notes().isVisible());
+        EXPECT_TRUE(kept().notes.empty());
+    }
+
+    TEST_F(ConferenceTest, AnswersOverCasesAreSummedUp)
+    {
+        const test_support::TemporaryFolder folder;
+        std::vector<std::filesystem::path> cases;
+        for (const auto& [name, points] : { std::pair { "first", 4 }, { "second", 2 }, { "none", 0 } }) {
+            std::filesystem::create_directories(folder / name);
+            cases.push_back(folder / name / "case.json");
+            planner::Answers answers { .by = "A. Suzuki", .when = "2026-11-27T09:30:00Z" };
+            answers.points.fill(points);
+            if (points > 0)
+                planner::write_decisions(
+                    planner::decisions_file(cases.back()), { .choices = {}, .answers = { answers } });
+        }
+        std::filesystem::create_directories(folder / "damaged");
+        cases.push_back(folder / "damaged" / "case.json");
+        std::ofstream(planner::decisions_file(cases.back())) << "{";
+        test_support::show_window(window_);
+        window_.summarize_answers(cases);
+        auto* dialog = window_.findChild<QDialog*>("summary");
+        ASSERT_NE(dialog, nullptr);
+        const auto cell = [&](const char* name) { return dialog->findChild<QLabel*>(name)->text(); };
+        EXPECT_EQ(cell("shape-0"), "2");
+        EXPECT_EQ(cell("shape-1"), "3.0");
+        EXPECT_EQ(cell("necessity-2"), "2 to 4");
+        EXPECT_EQ(cell("necessity-4"), "1") << "one gave 2 points";
+        QString said;
+        for (const QLabel* label : dialog->findChildren<QLabel*>())
+            said += label->text() + "\n";
+        EXPECT_TRUE(said.contains("none: nobody has answered yet")) << said.toStdString();
+        EXPECT_TRUE(said.contains("damaged: this is not JSON")) << said.toStdString();
+        dialog->close();
     }
 
     TEST_F(ConferenceTest, ANamedViewIsAStepAndCanBeForgotten)

@@ -36,7 +36,7 @@ using namespace retractor::ui;
 struct Options {
     std::string case_file;
     std::string approach;
-    std::string view = "surgeon";
+    std::string view = "surgeon", wall = "solid";
     std::string screenshot;
     std::string model = "fem";
     std::string hand;
@@ -62,6 +62,9 @@ std::optional<int> parse(int argc, char** argv, Options& options)
     auto* view = app.add_option("--view", options.view, "View that the window shows first")
                      ->check(CLI::IsMember({ "surgeon", "overview", "slices", "incision", "compare" }))
                      ->capture_default_str();
+    auto* wall = app.add_option("--wall", options.wall, "How the body's wall is drawn")
+                     ->check(CLI::IsMember({ "solid", "see-through", "hidden" }))
+                     ->capture_default_str();
     auto* plan = app.add_flag("--plan", options.plan, "Plan the selected approach at once");
     app.add_option("--screenshot", options.screenshot,
            "Plan the selected approach, or prepare the tissue of a palpation scene; then save the window as PNG and "
@@ -85,9 +88,10 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         "Example: retractor-workstation patient/case.json --approach median --view overview\n"
         "Keys: 1 surgeon's eye, 2 overview, 3 slices (the wheel steps through them, Shift+1 to Shift+4 change\n"
         "their greys), 4 slices along and across the incision, 5 compare the planned approaches, R measure,\n"
-        "T target where the slices meet, O opened field or patient before.\n"
+        "T target at the marked place, O opened field or patient before, W wall see-through, V cut away,\n"
+        "6 and 7 endoscope.\n"
         "Approaches: N new, D draw an incision on the skin, M move its points (Enter ends), E target and opening,\n"
-        "Ctrl+D duplicate, B add neighbours, Delete remove, P plan, Shift+P plan all, Esc cancel.\n"
+        "Ctrl+D duplicate, B add neighbours, Ctrl+F search, Delete remove, P plan, Shift+P plan all, Esc cancel.\n"
         "Cutting: K knife (draw on the skin with the left button), L straight cut between two clicks, H hooks\n"
         "(press on the edge of a wound to set a hook, drag a hook to pull it), X take out, Ctrl+Z undo,\n"
         "Ctrl+Shift+Z redo, Esc discard the stroke. The right button, or Shift and the left button, turns the\n"
@@ -104,7 +108,7 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         if (!options.structure.empty()
             && (options.case_file.empty() || datasets::is_palpation_scene(options.case_file)))
             throw CLI::ValidationError("--palpate", "needs a case, not a palpation scene");
-        for (const CLI::Option* option : { approach, view, plan, before, benchmark })
+        for (const CLI::Option* option : { approach, view, wall, plan, before, benchmark })
             if (options.palpate && option->count() > 0)
                 throw CLI::ValidationError(option->get_name(),
                     options.structure.empty() ? "needs a case, but the file is a palpation scene"
@@ -116,6 +120,11 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         return app.exit(error) == 0 ? 0 : 2;
     }
     return std::nullopt;
+}
+
+WallLook wall_look_of(const std::string& word)
+{
+    return word == "hidden" ? WallLook::hidden : word == "see-through" ? WallLook::see_through : WallLook::solid;
 }
 
 int fail(const std::string& text, int exit_code)
@@ -261,6 +270,9 @@ int run_planning(std::optional<planner::Case> planned_case, const Options& optio
         if (!options.approach.empty())
             window.select(options.approach);
         window.set_view(*view_from_string(options.view));
+        window.set_wall_look(wall_look_of(options.wall));
+        if (options.before)
+            window.set_opened(false);
         if (options.benchmark)
             return run_benchmark(window, options.plan);
         if (options.plan || (!options.screenshot.empty() && !options.before))

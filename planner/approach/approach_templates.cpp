@@ -130,8 +130,8 @@ namespace {
         RETRACTOR_ASSERT(!approach.wall_thickness_mm.empty());
         const auto [thin, thick]
             = std::minmax_element(approach.wall_thickness_mm.begin(), approach.wall_thickness_mm.end());
-        std::string text = " The wall along it is " + in_words(*thin) + " to " + in_words(*thick)
-            + " mm thick; the blade goes " + in_words(approach.depth_mm) + " mm deep.";
+        std::string text = " The wall along it is " + in_words(*thin) + " to " + in_words(*thick) + " mm thick"
+            + std::string(kBladeGoes) + in_words(approach.depth_mm) + std::string(kDeep) + ".";
         if (omitted > 0)
             text += " At " + std::to_string(omitted) + " of its " + std::to_string(approach.incision.size())
                 + " points no cavity lies near behind the wall, and the blade ends inside it.";

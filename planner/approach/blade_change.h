@@ -6,12 +6,12 @@
 
 namespace retractor::planner {
 
-/// Most by which a blade may be turned by hand, degrees: a blade that lies flatter shaves the skin (ours).
-inline constexpr double kMostTurnedDeg = 60.0;
+/// Largest angle between a blade and the straight way into the skin, degrees: a flatter blade shaves the skin (ours).
+inline constexpr double kMostTiltedDeg = 60.0;
 
 /// The same approach with a blade that goes to another depth, and is turned as a whole, so that it points along
 /// `inward` at the middle of the incision. Hooks or retractor are placed anew.
-/// @throws InputError on a depth or a turn out of range, where the blade folds over itself, and as with_incision_of()
+/// @throws InputError on a depth or a tilt out of range, where the blade folds over itself, and as with_incision_of()
 /// does
 Approach with_blade(Patient& patient, const Approach& approach, double depth_mm, const Vec3& inward);
 

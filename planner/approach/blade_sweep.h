@@ -4,8 +4,12 @@
 #include "planner/case/approach.h"
 
 #include <optional>
+#include <string_view>
 
 namespace retractor::planner {
+
+/// Of the sentence in a rationale that says how deep the blade goes: "; the blade goes 38 mm deep."
+inline constexpr std::string_view kBladeGoes = "; the blade goes ", kDeep = " mm deep";
 
 /// The first place on the skin below which the blade folds over itself: its lower edge must run forwards everywhere.
 std::optional<Vec3> fold_of(const Approach& approach);

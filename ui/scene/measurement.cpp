@@ -89,7 +89,7 @@ namespace {
         double round = 0.0;
         for (std::size_t n = 0; n < corners.size(); ++n)
             round += (corners[(n + 1) % corners.size()] - corners[n]).norm();
-        return formatted("%.1f cm\u00b2 (round it %.0f mm)", polygon_area_mm2(corners) / 100.0, round);
+        return formatted("%.1f cm\u00b2 (perimeter %.0f mm)", polygon_area_mm2(corners) / 100.0, round);
     }
 
 } // namespace

@@ -17,7 +17,7 @@ struct Measurement {
 /// Area of a closed polygon, mm2: of its vector area, which is exact where the corners lie in a plane.
 double polygon_area_mm2(const std::vector<Vec3>& corners);
 
-/// "43.2 mm", or "118° (43.2 and 20.1 mm)", or "12.3 cm² (round it 134 mm)"; empty for fewer than two places, or three
+/// "43.2 mm", or "118° (43.2 and 20.1 mm)", or "12.3 cm² (perimeter 134 mm)"; empty for fewer than two places, or three
 /// corners.
 std::string measurement_text(const Measurement& measurement);
 

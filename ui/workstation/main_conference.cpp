@@ -100,7 +100,7 @@ void MainWindow::make_conference()
         if (model_ && !only_looks())
             change_decisions([step = step.toStdString(), text = text.toStdString()](
                                  planner::Decisions& decisions) { planner::set_note(decisions, step, text); },
-                "The note is kept");
+                QString("")); // the audience reads what is said under the picture
     };
 }
 
@@ -108,7 +108,7 @@ void MainWindow::show_notes(bool shown)
 {
     if (!shown || !in_conference())
         return static_cast<void>(notes_->close());
-    notes_->begin();
+    notes_->open(!only_looks());
     show_step_in_notes();
 }
 
@@ -137,10 +137,12 @@ void MainWindow::set_conference(bool on)
     if (on == in_conference() || (on && !model_))
         return;
     if (on) {
+        end_tour();
         set_measuring(false);
         editor_->abandon();
         tabs_->setCurrentIndex(0);
         set_knife(KnifeMode::away);
+        notes_->start_clock();
         steps_ = steps_now();
         was_maximized_ = isMaximized();
         showFullScreen();
@@ -298,7 +300,10 @@ void MainWindow::change_decisions(std::function<void(planner::Decisions&)> chang
             deliver = [this, decisions, message] {
                 model_->set_decisions(*decisions);
                 show_all();
-                show_message(message.isEmpty() ? QString::fromStdString(answers_text(*decisions)) : message);
+                if (message.isNull())
+                    show_message(QString::fromStdString(answers_text(*decisions)));
+                else if (!message.isEmpty())
+                    show_message(message);
             };
         } catch (...) {
             deliver = [this, failure = current_failure()] { show_error(failure); };

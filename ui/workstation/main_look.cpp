@@ -206,7 +206,8 @@ namespace {
 
 std::optional<SliceHandle> MainWindow::blade_handle() const
 {
-    if (!model_ || model_->shown_view() != ViewPreset::incision || only_looks() || knife_->scene() != nullptr)
+    if (!model_ || model_->shown_view() != ViewPreset::incision || only_looks() || in_conference()
+        || knife_->scene() != nullptr)
         return std::nullopt;
     std::vector<Scene> scenes = view_->scenes();
     for (std::size_t n = 0; n < scenes.size(); ++n)

@@ -1,5 +1,6 @@
 // The search for an incision in the main window, and the weights of its score.
 
+#include "mesh/base/error.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/metrics_panel.h"
 #include "ui/workstation/planning/search_dialog.h"
@@ -21,6 +22,8 @@ void MainWindow::search_incisions()
     search_dialog_ = dialog;
     dialog->setAttribute(Qt::WA_DeleteOnClose);
     dialog->on_take = [this](const std::vector<planner::Proposal>& taken) {
+        if (editor_->drawing())
+            throw InputError("an incision is being drawn: finish or discard it first");
         planner::Case present = model_->planned_case();
         const std::size_t before = present.approaches.size();
         planner::add_proposals(present, taken);
@@ -34,15 +37,28 @@ void MainWindow::search_incisions()
     dialog->show(); // the window can be used meanwhile
 }
 
+void MainWindow::close_case_dialogs()
+{
+    if (search_dialog_ != nullptr)
+        search_dialog()->abandon();
+    search_dialog_.clear(); // it ends when its search does
+    if (weights_dialog_ != nullptr)
+        weights_dialog_->close();
+    weights_dialog_.clear();
+}
+
 SearchDialog* MainWindow::search_dialog() const { return static_cast<SearchDialog*>(search_dialog_.data()); }
 
 void MainWindow::change_weights()
 {
+    if (weights_dialog_ != nullptr) {
+        weights_dialog_->raise();
+        return weights_dialog_->activateWindow();
+    }
     auto* dialog = new WeightsDialog(model_->weights(), this);
+    weights_dialog_ = dialog;
     dialog->setAttribute(Qt::WA_DeleteOnClose);
-    dialog->on_change = [this, generation = generation_](const planner::Weights& weights) {
-        if (generation != generation_)
-            return;
+    dialog->on_change = [this](const planner::Weights& weights) {
         model_->set_weights(weights);
         panel_->show_model(model_.get());
     };

@@ -110,6 +110,8 @@ void MainWindow::go_to_tour_step(std::size_t step)
 
 void MainWindow::end_tour()
 {
+    if (!in_tour())
+        return;
     tour_step_.reset();
     tour_bar_->hide();
     show_all();

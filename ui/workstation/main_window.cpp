@@ -128,6 +128,10 @@ bool MainWindow::may_leave_case(const QString& question)
         && !may_lose(
             question, "The corrected labels are not saved. If you close now, the corrections are lost.", "Go back"))
         return false;
+    if (search_dialog_ != nullptr && !search_dialog()->idle()
+        && !may_lose(
+            question, "A search for an incision is running. If you close now, its result is lost.", "Go on searching"))
+        return false;
     return not_saved_.empty()
         || may_lose(question,
             QString::fromStdString(
@@ -142,6 +146,7 @@ void MainWindow::closeEvent(QCloseEvent* event)
         return event->ignore();
     if (!may_leave_case("Close the window?"))
         return event->ignore();
+    set_conference(false); // a note that is being written is kept
     knife_->abandon();
     if (model_)
         model_->cancel();
@@ -472,7 +477,7 @@ void MainWindow::open_demo_patient(const std::filesystem::path& folder)
             throw;
         }
         remove_part();
-        return [] {};
+        return [this] { tour_case_.clear(); };
     });
 }
 
@@ -526,7 +531,7 @@ bool MainWindow::knife_tab_open() const { return tabs_->currentWidget() == knife
 
 void MainWindow::set_knife(KnifeMode mode)
 {
-    if (!model_ || !model_->selected())
+    if (!model_ || !model_->selected() || only_looks())
         mode = KnifeMode::away;
     if (mode != KnifeMode::away) { // the mouse is the knife's
         labels_->set_active(false); // before the knife takes it
@@ -541,7 +546,7 @@ void MainWindow::set_knife(KnifeMode mode)
 
 void MainWindow::show_knife()
 {
-    if (model_ && model_->selected() && knife_tab_open()) {
+    if (model_ && model_->selected() && knife_tab_open() && !only_looks()) {
         const std::size_t index = *model_->selected();
         knife_->set_up(
             model_->id(index), [make = backend_.surgery_input, approach = model_->approach(index)](const Job& job) {
@@ -653,6 +658,7 @@ void MainWindow::open(planner::Case planned_case)
 void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::filesystem::file_time_type> read_at)
 {
     set_conference(false);
+    end_tour();
     set_measuring(false);
     editor_->abandon();
     knife_->abandon();
@@ -667,11 +673,10 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     const std::size_t grey_window = model_ ? model_->grey_window() : 0;
     const LabelLook label_look = model_ ? model_->label_look() : LabelLook::filled;
     const WallLook wall_look = model_ ? model_->wall_look() : WallLook::solid;
-    if (search_dialog_ != nullptr)
-        search_dialog()->abandon();
+    close_case_dialogs();
     editor_->set_case(nullptr, {});
-    end_tour();
     const bool is_same = model_ && model_->planned_case().file() == planned_case.file();
+    const planner::Weights weights = is_same ? model_->weights() : planner::default_weights();
     model_ = std::make_unique<SessionModel>(std::move(planned_case));
     if (!is_same || only_looks())
         lock_case();
@@ -688,7 +693,7 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     model_->set_grey_window(grey_window);
     model_->set_label_look(label_look);
     model_->set_wall_look(wall_look);
-    make_anatomy();
+    model_->set_weights(weights);
     const planner::Case& shown = model_->planned_case();
     const std::filesystem::path name = shown.file_name == planner::kCaseFileName
         ? shown.folder.filename()
@@ -697,6 +702,7 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     log_.hide(shown.file());
     clear_error();
     hand_out_work();
+    make_anatomy(); // after the first picture
     show_all();
     if (labels_tab_open())
         tabs_->setCurrentWidget(panel_); // the mouse turns the picture of the new case
@@ -733,14 +739,13 @@ void MainWindow::close_case()
     if (!model_ || !may_leave_case("Close the case?"))
         return;
     set_conference(false);
+    end_tour();
     set_measuring(false);
     editor_->abandon();
     knife_->abandon();
     cancel_planning();
     knife_->clear();
-    if (search_dialog_ != nullptr)
-        search_dialog()->abandon();
-    end_tour();
+    close_case_dialogs();
     editor_->set_case(nullptr, {});
     labels_->set_case({}, {});
     ++generation_;
@@ -873,6 +878,8 @@ void MainWindow::set_view(ViewPreset view)
     if (labels_->active() && view != ViewPreset::slices)
         tabs_->setCurrentWidget(panel_); // the mouse is the brush's no more
     model_->set_view(view);
+    if (optics_deg_ >= 0.0)
+        shown_ = {}; // from where the picture is seen first, not through the endoscope
     show_all();
 }
 
@@ -1126,7 +1133,7 @@ void MainWindow::show_actions()
     measure_area_->setEnabled(measure_->isEnabled());
     measure_->setChecked(measuring_ && !measuring_area_);
     measure_area_->setChecked(measuring_area_);
-    straight_optics_->setEnabled(any && state->field != nullptr && !editor_->drawing());
+    straight_optics_->setEnabled(any && state->field != nullptr && !editor_->drawing() && knife_->scene() == nullptr);
     oblique_optics_->setEnabled(straight_optics_->isEnabled());
     large_->setEnabled(model_ && model_->view_available(ViewPreset::slices));
     draw_->setEnabled(editor_->draw_possible());
@@ -1230,6 +1237,7 @@ void MainWindow::set_measuring(bool on, bool area)
                           : "Click two places for a distance, a third for an angle. Esc ends, Ctrl+Z takes a place "
                             "back.");
     } else if (measuring_) {
+        model_->end_measurement();
         view_->set_tool(nullptr);
         show_message({});
     }
@@ -1379,6 +1387,7 @@ void MainWindow::show_progress()
 void MainWindow::show_error(const Failure& failure)
 {
     error_ = to_string(failure);
+    tour_case_.clear(); // its patient may be what failed
     log_.add("error", error_);
     message_->setStyleSheet("color: #ff8a80;");
     message_->setText(QString::fromStdString(error_));

@@ -189,12 +189,14 @@ private:
 
     void search_incisions();
     void change_weights();
+    void close_case_dialogs(); ///< the search and the weights belong to a case
     void choose_approach();
     void ask_questions();
     void ask_for_answered_cases();
     void show_notes(bool shown);
     void show_step_in_notes();
     /// Reads the decisions again, changes them and writes them, in the background.
+    /// @param message afterwards; null: the means of the answers; empty: none
     void change_decisions(std::function<void(planner::Decisions&)> change, const QString& message);
     void read_decisions();
     void enlarge(std::size_t scene);
@@ -353,7 +355,7 @@ private:
     QPushButton* cancel_button_ = nullptr;
     QTimer progress_timer_;
     QTimer mark_timer_; ///< until a moved mark is drawn
-    QPointer<QDialog> search_dialog_; ///< a SearchDialog
+    QPointer<QDialog> search_dialog_, weights_dialog_; ///< a SearchDialog, and a WeightsDialog
     std::unique_ptr<ApproachEditor> editor_;
     std::unique_ptr<PictureTool> measure_tool_;
     bool measuring_ = false, measuring_area_ = false; ///< the mouse measures

@@ -14,6 +14,16 @@ namespace {
 
     bool is_planned(const ReportNeighbour& neighbour) { return neighbour.field.has_value(); }
 
+    /// "one space lower: not planned; 20 mm forwards: the space leaves room for 4 mm only"
+    std::string missing_text(const std::vector<ReportNeighbour>& neighbours)
+    {
+        std::string text;
+        for (const ReportNeighbour& neighbour : neighbours)
+            if (!is_planned(neighbour))
+                text += (text.empty() ? "" : "; ") + neighbour.where + ": " + neighbour.missing;
+        return text;
+    }
+
     /// The number with its error, and a plus or minus where it differs from the first field's by more than both errors.
     void write_number(
         std::ostream& out, const ComparedMeasure& row, const std::vector<FieldMetrics>& fields, std::size_t n)
@@ -48,11 +58,7 @@ namespace {
             out << "</tr>";
         }
         out << "</tbody></table>";
-        std::string missing;
-        for (const ReportNeighbour& neighbour : neighbours)
-            if (!is_planned(neighbour))
-                missing += (missing.empty() ? "" : "; ") + neighbour.where + ": " + neighbour.missing;
-        if (!missing.empty())
+        if (const std::string missing = missing_text(neighbours); !missing.empty())
             out << "<p>Without a plan: " << escaped(missing) << ".</p>";
     }
 
@@ -62,25 +68,16 @@ void write_neighbours(std::ostream& out, const std::vector<FieldMetrics>& fields
     const std::vector<std::vector<ReportNeighbour>>& neighbours)
 {
     RETRACTOR_ASSERT(neighbours.empty() || neighbours.size() == fields.size());
-    std::vector<std::string> without;
-    bool any = false;
-    for (std::size_t n = 0; n < neighbours.size(); ++n) {
-        if (neighbours[n].empty())
-            continue;
-        if (std::ranges::none_of(neighbours[n], is_planned)) {
-            without.push_back(fields[n].name);
-            continue;
-        }
-        if (!any)
-            out << "<h2>One space higher or lower</h2><p>A plus is better and a minus is worse than as planned, by "
-                   "more "
-                   "than both errors together.</p>";
-        any = true;
-        write_table(out, fields[n], neighbours[n]);
-    }
-    if (!without.empty())
-        out << (any ? "" : "<h2>One space higher or lower</h2>") << "<p>Not planned for " << escaped(joined(without))
-            << ". <code>retractor compare --neighbours</code>, or B in the window, plans them.</p>";
+    if (std::ranges::all_of(neighbours, [](const auto& beside) { return beside.empty(); }))
+        return;
+    out << "<h2>One space higher or lower</h2><p>A plus is better and a minus is worse than as planned, by more than "
+           "both "
+           "errors together. In the window B adds these approaches, and Shift+P plans them.</p>";
+    for (std::size_t n = 0; n < neighbours.size(); ++n)
+        if (std::ranges::any_of(neighbours[n], is_planned))
+            write_table(out, fields[n], neighbours[n]);
+        else if (!neighbours[n].empty())
+            out << "<p>" << escaped(fields[n].name) << ": " << escaped(missing_text(neighbours[n])) << ".</p>";
 }
 
 } // namespace retractor::planner

@@ -17,8 +17,8 @@ struct ReportNeighbour {
     std::string missing {}; ///< why it has none
 };
 
-/// Writes a table for each field that has planned neighbours, and names the fields that have none planned; nothing
-/// where no field has a neighbour. @param neighbours of each field
+/// Writes a table for each field that has planned neighbours, and for the others why there are none; nothing where no
+/// field has a neighbour. @param neighbours of each field
 void write_neighbours(std::ostream& out, const std::vector<FieldMetrics>& fields,
     const std::vector<std::vector<ReportNeighbour>>& neighbours);
 

@@ -70,6 +70,12 @@ namespace blade_change_test {
         EXPECT_THROW(static_cast<void>(with_blade(patient(), approach, 12.0, -inward)), InputError);
         EXPECT_THROW(
             static_cast<void>(with_blade(patient(), approach, 12.0, inward + 2.0 * Vec3::UnitZ())), InputError);
+        // The tilt counts from the skin, not from the blade before.
+        const auto tilted = [&](double deg) {
+            return Vec3(Eigen::AngleAxisd(deg * std::numbers::pi / 180.0, Vec3::UnitX()) * inward);
+        };
+        const Approach once = with_blade(patient(), approach, 12.0, tilted(40.0));
+        EXPECT_THROW(static_cast<void>(with_blade(patient(), once, 12.0, tilted(80.0))), InputError);
     }
 
     TEST(CheckSweep, NamesThePlaceWhereTheBladeFolds)

@@ -26,6 +26,7 @@ NotesWindow::NotesWindow(QWidget* parent)
     text_ = plain_label("font-size: 16px; color: #d7dde2;");
     note_ = new QPlainTextEdit;
     note_->setObjectName("note");
+    note_->installEventFilter(this);
     note_->setPlaceholderText("Notes for this step, kept with the case");
     note_->setStyleSheet("font-size: 18px;");
     next_ = plain_label(QString(kFaint) + " font-size: 16px;");
@@ -42,15 +43,20 @@ NotesWindow::NotesWindow(QWidget* parent)
     });
 }
 
-void NotesWindow::begin()
+void NotesWindow::start_clock()
 {
+    since_.start();
+    clock_->setText("0:00");
+    tick_.start();
+}
+
+void NotesWindow::open(bool writable)
+{
+    note_->setReadOnly(!writable);
     const QList<QScreen*> screens = QGuiApplication::screens();
     for (QScreen* screen : screens)
         if (screens.size() > 1 && screen != parentWidget()->screen())
             move(screen->availableGeometry().topLeft());
-    since_.start();
-    clock_->setText("0:00");
-    tick_.start();
     show();
 }
 
@@ -82,19 +88,30 @@ QString NotesWindow::note() const { return note_->toPlainText().trimmed(); }
 
 QString NotesWindow::next() const { return next_->text(); }
 
+/// Presenters for slides send these keys; letters and arrows belong to the notes.
+bool NotesWindow::step_by_key(const QKeyEvent& event) const
+{
+    if (event.key() != Qt::Key_PageDown && event.key() != Qt::Key_PageUp)
+        return false;
+    on_step(event.key() == Qt::Key_PageDown ? 1 : -1);
+    return true;
+}
+
+bool NotesWindow::eventFilter(QObject* watched, QEvent* event)
+{
+    return (event->type() == QEvent::KeyPress && step_by_key(*static_cast<QKeyEvent*>(event)))
+        || QWidget::eventFilter(watched, event);
+}
+
 void NotesWindow::keyPressEvent(QKeyEvent* event)
 {
-    // Presenters for slides send these keys; letters and arrows belong to the notes.
-    if (event->key() == Qt::Key_PageDown || event->key() == Qt::Key_PageUp)
-        on_step(event->key() == Qt::Key_PageDown ? 1 : -1);
-    else
+    if (!step_by_key(*event))
         QWidget::keyPressEvent(event);
 }
 
 void NotesWindow::closeEvent(QCloseEvent* event)
 {
     keep_note();
-    tick_.stop();
     step_.clear();
     event->accept();
     if (on_close)

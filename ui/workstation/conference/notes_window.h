@@ -17,8 +17,10 @@ class NotesWindow : public QWidget {
 public:
     explicit NotesWindow(QWidget* parent);
 
-    /// Begins the clock, and shows the window on a second screen where there is one.
-    void begin();
+    /// The conference begins now.
+    void start_clock();
+    /// Shows the window on a second screen where there is one. @param writable notes can be changed
+    void open(bool writable);
     /// @param next title of the next step; empty: this is the last one
     void show_step(const QString& title, const QString& text, const QString& next, const QString& note);
     /// Gives the note that is being written to its step.
@@ -32,10 +34,14 @@ public:
     std::function<void()> on_close;
 
 protected:
+    /// Page Down and Page Up go to another step, also while notes are written.
+    bool eventFilter(QObject* watched, QEvent* event) override;
     void keyPressEvent(QKeyEvent* event) override;
     void closeEvent(QCloseEvent* event) override;
 
 private:
+    bool step_by_key(const QKeyEvent& event) const;
+
     QString step_, kept_; ///< title of the shown step, and its note as the owner knows it
     QLabel *title_ = nullptr, *text_ = nullptr, *next_ = nullptr, *clock_ = nullptr;
     QPlainTextEdit* note_ = nullptr;

@@ -159,6 +159,16 @@ namespace {
         return text;
     }
 
+    /// "The score weighs: target seen 3, reached by instruments 2."
+    std::string weights_in_words(const planner::Weights& weights)
+    {
+        std::string text = "The score weighs: ";
+        for (std::size_t n = 0; n < planner::kCriteria; ++n)
+            text += (n == 0 ? "" : ", ") + std::string(planner::criteria()[n].caption) + " "
+                + formatted("%g", weights.at(n));
+        return text + ". Shift+W changes this.";
+    }
+
     /// The verdicts of the planned approaches, their scores, the chart that compares them, and what to think of first.
     void add_comparison(QVBoxLayout& column, const SessionModel& model)
     {
@@ -189,9 +199,7 @@ namespace {
         }
         if (!order.empty()) {
             column.addSpacing(6);
-            column.addWidget(label(
-                "Weights of the score: " + planner::weights_text(model.weights()) + ". Approach, Weights changes them.",
-                kFaint));
+            column.addWidget(label(weights_in_words(model.weights()), kFaint));
         }
         column.addSpacing(10);
         auto* chart = new ComparisonChart;

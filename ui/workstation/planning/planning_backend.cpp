@@ -189,8 +189,13 @@ namespace {
         const std::vector<planner::Proposal> proposals
             = planner::proposals_of(patient, found.rays, request, kDrafts, found.refused);
         found.drafts = planner::draft_plans(planned_case, proposals, kDrafts, found.rays, request, job);
-        if (found.drafts.status == planner::SearchStatus::done)
+        if (found.drafts.status != planner::SearchStatus::done)
+            return found;
+        try {
             found.map = map_of(patient, found);
+        } catch (const Error& error) { // the proposals are there all the same
+            found.refused.push_back(std::string("the map could not be drawn: ") + error.what());
+        }
         return found;
     }
 

@@ -237,6 +237,8 @@ void SearchDialog::search()
             this,
             [this, deliver = std::move(deliver)] {
                 working_ = false;
+                if (abandoned_)
+                    return deleteLater();
                 deliver();
                 show_progress();
                 show_what_applies();
@@ -281,6 +283,7 @@ void SearchDialog::show_answer(FoundProposals found)
     table_->setMinimumHeight(
         table_->verticalHeader()->length() + table_->horizontalHeader()->sizeHint().height() + kFrame);
     table_->blockSignals(false);
+    map_->clear();
     if (!found_.map.rgb.empty())
         map_->setPixmap(QPixmap::fromImage(as_image(found_.map)).scaledToWidth(kMapWidth, Qt::SmoothTransformation));
     std::string remarks
@@ -319,7 +322,11 @@ void SearchDialog::take()
 void SearchDialog::abandon()
 {
     executor_.cancel();
-    QDialog::reject();
+    abandoned_ = true;
+    setAttribute(Qt::WA_DeleteOnClose, false);
+    hide();
+    if (!working_)
+        deleteLater();
 }
 
 void SearchDialog::reject()

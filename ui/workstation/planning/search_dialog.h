@@ -37,7 +37,7 @@ public:
     bool idle() const { return !working_; }
     /// Why the last search failed; empty: it did not.
     QString failure() const;
-    /// Cancels the search and closes.
+    /// Cancels the search and closes. The dialog deletes itself when the search has ended, so that nobody waits for it.
     void abandon();
 
     /// Called with the proposals that the user takes. A failure is shown, and the dialog stays open.
@@ -58,7 +58,7 @@ private:
     planner::Weights weights_;
     Search search_;
     FoundProposals found_;
-    bool working_ = false, cancelling_ = false;
+    bool working_ = false, cancelling_ = false, abandoned_ = false;
 
     QStackedWidget* pages_ = nullptr;
     QComboBox *target_ = nullptr, *side_ = nullptr;

@@ -27,8 +27,7 @@ WeightsDialog::WeightsDialog(const planner::Weights& weights, QWidget* parent)
     setWindowTitle("Weights of the score");
     auto* column = new QVBoxLayout(this);
     auto* head = plain_label(kFaint);
-    head->setText("How much each criterion counts in the score. 0 leaves it out. The weights are ours until you change "
-                  "them.");
+    head->setText("How much each criterion counts in the score. 0 leaves it out.");
     column->addWidget(head);
     auto* grid = new QGridLayout;
     grid->setHorizontalSpacing(16);
@@ -56,7 +55,7 @@ WeightsDialog::WeightsDialog(const planner::Weights& weights, QWidget* parent)
     refusal_ = plain_label("color: #f0a35e;");
     column->addWidget(refusal_);
     auto* buttons = new QDialogButtonBox(QDialogButtonBox::Close);
-    QPushButton* const usual = buttons->addButton("As usual", QDialogButtonBox::ResetRole);
+    QPushButton* const usual = buttons->addButton("Defaults", QDialogButtonBox::ResetRole);
     column->addWidget(buttons);
     show_weights(weights);
     for (QSlider* slider : sliders_)

@@ -57,7 +57,8 @@ PictureAnswer BackgroundPicture::answer(const PictureRequest& request)
     try {
         if (renderer_ == nullptr)
             renderer_ = std::make_unique<OffscreenRenderer>(make_offscreen_context());
-        if (shown_.scenes != request.scenes || shown_.width != request.width || shown_.height != request.height) {
+        if (shown_.scenes != request.scenes || shown_.layout != request.layout || shown_.width != request.width
+            || shown_.height != request.height) {
             shown_ = {};
             Picture picture { .width = request.width, .height = request.height };
             picture.viewports = arrange_scenes(*request.scenes, request.width, request.height, request.layout);

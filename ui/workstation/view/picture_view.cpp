@@ -38,6 +38,7 @@ namespace {
     /// A shorter pause in turning starts no full picture, which takes up to some seconds of a processor.
     constexpr int kRestMs = 200;
     constexpr int kResizeMs = 150;
+    constexpr double kStillPx = 4.0; ///< a hand that clicks moves a little
     /// Changes within this time are drawn in one picture.
     constexpr int kFrameMs = 12;
     constexpr double kNotch = 120.0; ///< Qt's angle of one notch of a mouse wheel
@@ -352,6 +353,8 @@ void PictureView::set_tool(PictureTool* tool)
 {
     tool_ = tool;
     pointing_.reset();
+    dragging_ = false;
+    set_over_handle(false);
     setCursor(tool != nullptr ? Qt::CrossCursor : Qt::ArrowCursor);
 }
 
@@ -401,12 +404,27 @@ void PictureView::set_handle(std::optional<SliceHandle> handle)
 {
     handle_ = handle;
     dragging_ = dragging_ && handle_;
+    if (!handle_)
+        set_over_handle(false);
 }
 
 std::optional<QPointF> PictureView::handle_at() const
 {
     return handle_ && is_drawn() && handle_->scene < drawn_->views.size() ? shown_in(handle_->scene, handle_->place)
                                                                           : std::nullopt;
+}
+
+void PictureView::set_over_handle(bool over)
+{
+    if (over == over_handle_)
+        return;
+    over_handle_ = over;
+    if (over) {
+        cursor_before_ = cursor();
+        setCursor(Qt::SizeAllCursor);
+    } else {
+        setCursor(cursor_before_);
+    }
 }
 
 bool PictureView::drag_handle(const QMouseEvent& event)
@@ -420,16 +438,19 @@ bool PictureView::drag_handle(const QMouseEvent& event)
         && event.modifiers() == Qt::NoModifier) {
         dragging_ = near;
         dragged_ = false;
+        pressed_at_ = event.localPos();
     }
-    if (event.type() == QEvent::MouseMove && event.buttons() == Qt::NoButton)
-        setCursor(near ? Qt::SizeAllCursor : Qt::ArrowCursor);
+    if ((event.buttons() & Qt::LeftButton) == 0 && event.type() == QEvent::MouseMove) {
+        dragging_ = false; // the button went up elsewhere
+        set_over_handle(near);
+    }
     if (!dragging_)
         return false;
     const bool last = event.type() == QEvent::MouseButtonRelease && event.button() == Qt::LeftButton;
-    const auto place = slice_place_at(event.localPos());
-    dragged_ = dragged_ || event.type() == QEvent::MouseMove;
+    dragged_ = dragged_ || QLineF(pressed_at_, event.localPos()).length() > kStillPx;
     if (last)
         dragging_ = false;
+    const auto place = scene_at(event.localPos()) == handle_->scene ? slice_place_at(event.localPos()) : std::nullopt;
     if (dragged_ && (place || last) && on_handle)
         on_handle(place.value_or(handle_->place), last);
     return true;
@@ -576,7 +597,6 @@ planner::Ray PictureView::ray_into(std::size_t index, const QPointF& at) const
 
 void PictureView::click_in_space(const QMouseEvent& event)
 {
-    constexpr double kStillPx = 4.0; // a hand that clicks moves a little
     if (event.type() == QEvent::MouseButtonPress) {
         pressed_in_space_.reset();
         const auto index = scene_at(event.localPos());

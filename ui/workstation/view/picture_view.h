@@ -10,6 +10,7 @@
 
 #include <QVTKOpenGLNativeWidget.h>
 
+#include <QCursor>
 #include <QTimer>
 
 #include <functional>
@@ -189,6 +190,7 @@ private:
     bool point_on_slice(const QMouseEvent& event);
     void click_in_space(const QMouseEvent& event);
     bool drag_handle(const QMouseEvent& event);
+    void set_over_handle(bool over); ///< the mouse is near the handle: the cursor says so
     /// The point of the widget at which a scene shows a place; nothing behind the eye.
     std::optional<QPointF> shown_in(std::size_t index, const Vec3& place) const;
     bool step_cut(const QWheelEvent& event);
@@ -215,6 +217,9 @@ private:
     std::optional<std::size_t> pointing_; ///< the slice on which the left button went down
     std::optional<SliceHandle> handle_;
     bool dragging_ = false, dragged_ = false; ///< the handle is held, and has been moved
+    bool over_handle_ = false;
+    QCursor cursor_before_; ///< the mouse came to the handle
+    QPointF pressed_at_; ///< where the handle was taken
     std::optional<QPointF> pressed_in_space_; ///< where the left button went down on a scene in space
     bool turning_ = false; ///< the camera is being turned while there is a tool
     double draw_ms_ = 0.0;

@@ -29,11 +29,11 @@ StepBar::StepBar(QWidget* parent)
     number_ = plain_label();
     number_->setWordWrap(false);
     row->addWidget(number_);
-    back_ = unfocused(new QPushButton("Back"), "The step before (Left, Page Up)");
-    next_ = unfocused(new QPushButton("Next"), "The next step (Right, Page Down, Space)");
+    back_ = unfocused(new QPushButton("Back"));
+    next_ = unfocused(new QPushButton("Next"));
     movie_ = unfocused(new QPushButton("Movie…"), "Save a movie of the plans (Ctrl+M)");
     report_ = unfocused(new QPushButton("Report…"), "Save the report (Ctrl+R)");
-    end_ = unfocused(new QPushButton("End"), "Back to planning (Esc)");
+    end_ = unfocused(new QPushButton("End"));
     for (QPushButton* button : { back_, next_, movie_, report_, end_ })
         row->addWidget(button);
     set_large(true);
@@ -51,6 +51,10 @@ void StepBar::set_large(bool large)
     number_->setStyleSheet(QString("font-size: %1px; color: #a4adb5;").arg(large ? 18 : 14));
     for (QPushButton* button : { back_, next_, movie_, report_, end_ })
         button->setStyleSheet(large ? "font-size: 18px; padding: 8px 16px;" : "");
+    const auto keys = [large](const QString& text, const QString& with) { return large ? text + with : text; };
+    back_->setToolTip(keys("The step before", " (Left, Page Up)"));
+    next_->setToolTip(keys("The next step", " (Right, Page Down, Space)"));
+    end_->setToolTip(keys(large ? "Back to planning" : "End the tour", " (Esc)"));
     movie_->setVisible(large);
     report_->setVisible(large);
 }

@@ -228,7 +228,7 @@ namespace report_test {
         report.neighbours = { { { .where = "one space higher", .missing = "not planned" } } };
         write_report(path, report);
         page = content_of(path);
-        EXPECT_NE(page.find("Not planned for intercostal_4."), std::string::npos);
+        EXPECT_NE(page.find("<p>intercostal_4: one space higher: not planned.</p>"), std::string::npos);
         EXPECT_EQ(page.find("<th>one space higher</th>"), std::string::npos);
         report.neighbours = { {} };
         write_report(path, report);

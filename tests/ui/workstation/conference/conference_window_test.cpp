@@ -271,7 +271,7 @@ namespace conference_window_test {
         ASSERT_NE(note, nullptr);
         const std::string first = title();
         note->setPlainText("show the scar first");
-        QTest::keyClick(&window_.notes(), Qt::Key_PageDown); // the presenter looks at the notes
+        QTest::keyClick(note, Qt::Key_PageDown); // while notes are written
         test_support::wait_until_idle(window_);
         EXPECT_NE(title(), first);
         EXPECT_EQ(window_.notes().note(), "");

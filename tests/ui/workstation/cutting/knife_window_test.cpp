@@ -355,7 +355,8 @@ namespace knife_window_test {
         wait_until_idle();
         const QString said = window_->knife_panel().sight_text();
         EXPECT_EQ(
-            said.toStdString().find("The best eye sees 25 % of the target (\u00b1 2, without the steel), 12\u00b0 off"),
+            said.toStdString().find(
+                "The best eye sees 25 % of the target (\u00b1 2; hooks and blades hide nothing here), 12\u00b0 off"),
             0U)
             << said.toStdString();
         press(Qt::Key_Z, Qt::ControlModifier);

@@ -12,11 +12,13 @@
 
 #include <QCheckBox>
 #include <QComboBox>
+#include <QLabel>
 #include <QPushButton>
 #include <QSlider>
 #include <QSpinBox>
 #include <QTableWidget>
 
+#include <algorithm>
 #include <memory>
 
 namespace retractor::ui {
@@ -108,14 +110,26 @@ namespace search_dialog_test {
         EXPECT_EQ(dialog().failure(), "None of 7 incisions is a proposal");
         // Another case ends a search.
         control_->hold = true;
+        dialog().findChild<QCheckBox*>("saw")->setChecked(true);
         click("Search");
-        window_.close_case();
+        window_.open(test_support::synthetic_case());
         wait_until_gone();
-        EXPECT_TRUE(window_.idle());
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(window_.approach_list().count(), 3);
     }
 
     TEST_F(SearchWindowTest, WeightsChangeTheScoreOfTheComparison)
     {
+        window_.plan_all();
+        test_support::wait_until_idle(window_);
+        press(Qt::Key_5);
+        ASSERT_EQ(window_.model()->shown_view(), ViewPreset::compare) << window_.error_line();
+        const auto panel_says = [&](const QString& words) {
+            const auto labels = window_.findChildren<QLabel*>();
+            return std::any_of(
+                labels.begin(), labels.end(), [&](QLabel* label) { return label->text().contains(words); });
+        };
+        EXPECT_TRUE(panel_says("target seen 3, "));
         press(Qt::Key_W, Qt::ShiftModifier);
         auto* const weights = window_.findChild<WeightsDialog*>("weights");
         ASSERT_NE(weights, nullptr);
@@ -124,6 +138,7 @@ namespace search_dialog_test {
         ASSERT_NE(seen, nullptr);
         seen->setValue(seen->maximum());
         EXPECT_EQ(window_.model()->weights().front(), 5.0);
+        EXPECT_TRUE(panel_says("target seen 5, "));
         // All at 0: the last weights stay.
         for (QSlider* slider : weights->findChildren<QSlider*>())
             slider->setValue(0);
@@ -132,7 +147,7 @@ namespace search_dialog_test {
             sum += weight;
         EXPECT_GT(sum, 0.0);
         for (QPushButton* button : weights->findChildren<QPushButton*>())
-            if (button->text() == "As usual")
+            if (button->text() == "Defaults")
                 QTest::mouseClick(button, Qt::LeftButton);
         EXPECT_EQ(window_.model()->weights(), planner::default_weights());
     }

@@ -343,7 +343,7 @@ namespace session_model_test {
         for (const auto& [x, y] : { std::pair { 0, 0 }, { 20, 0 }, { 20, 10 }, { 10, 10 }, { 10, 20 }, { 0, 20 } })
             area.places.push_back(from + x * u + y * v);
         EXPECT_NEAR(polygon_area_mm2(area.places), 300.0, 1e-9);
-        EXPECT_EQ(measurement_text(area), "3.0 cm\u00b2 (round it 80 mm)");
+        EXPECT_EQ(measurement_text(area), "3.0 cm\u00b2 (perimeter 80 mm)");
         std::reverse(area.places.begin(), area.places.end());
         EXPECT_NEAR(polygon_area_mm2(area.places), 300.0, 1e-9) << "in either direction";
         area.places.resize(2);

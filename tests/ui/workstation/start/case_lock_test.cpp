@@ -68,6 +68,11 @@ namespace case_lock_test {
         const auto control = std::make_shared<test_support::SyntheticControl>();
         const auto factory = [&](const planner::Case&) { return test_support::synthetic_backend(control); };
         MainWindow first(factory), second(factory);
+        test_support::show_window(second);
+        second.open(test_support::synthetic_case());
+        second.set_knife(KnifeMode::freehand); // the tab of the knife is open when the locked case comes
+        test_support::wait_until_idle(second);
+        const int setups = control->setups_made;
         for (MainWindow* window : { &first, &second }) {
             test_support::show_window(*window);
             window->open(planned_case);
@@ -75,6 +80,7 @@ namespace case_lock_test {
         }
         EXPECT_FALSE(first.only_looks());
         ASSERT_TRUE(second.only_looks());
+        EXPECT_EQ(control->setups_made, setups) << "no knife is prepared, which would keep its cuts beside the case";
         for (const auto& [key, with] :
             { std::pair { Qt::Key_D, Qt::ControlModifier }, { Qt::Key_Delete, Qt::NoModifier },
                 { Qt::Key_K, Qt::NoModifier }, { Qt::Key_C, Qt::NoModifier }, { Qt::Key_D, Qt::NoModifier } })

@@ -58,11 +58,8 @@ namespace {
         }
         if (measurement.area && places.size() > 2) {
             line.points.push_back(places.front());
-            Vec3 middle = Vec3::Zero();
-            for (const Vec3& place : places)
-                middle += place / static_cast<double>(places.size());
             scene.lines.push_back(std::move(line));
-            scene.words.push_back({ .text = text, .position = middle, .color = kColor });
+            scene.words.push_back({ .text = text, .position = places.back(), .color = kColor });
             return;
         }
         scene.lines.push_back(std::move(line));

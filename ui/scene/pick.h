@@ -14,7 +14,7 @@ struct Picked {
     std::optional<Label> label {}; ///< of the triangle, or on the face of the cut; nothing: the surface has no labels
 };
 
-/// Surfaces fainter than this are looked through.
+/// Surfaces fainter than this are looked through, where anything stands behind them.
 inline constexpr double kLeastPickedOpacity = 0.5;
 
 /// The nearest place at which a ray meets what the scene shows: a surface that can be seen, or the face of its cut.

@@ -95,12 +95,13 @@ void MainWindow::make_conference()
     presenter_keys_->setEnabled(false);
     notes_ = new NotesWindow(this);
     notes_->on_step = [this](int steps) { step_by(steps); };
+    notes_->on_end = [this] { set_conference(false); };
     notes_->on_close = [this] { show_actions(); };
     notes_->on_note = [this](const QString& step, const QString& text) {
         if (model_ && !only_looks())
             change_decisions([step = step.toStdString(), text = text.toStdString()](
                                  planner::Decisions& decisions) { planner::set_note(decisions, step, text); },
-                QString("")); // the audience reads what is said under the picture
+                QString("")); // the audience reads the messages
     };
 }
 
@@ -138,6 +139,8 @@ void MainWindow::set_conference(bool on)
         return;
     if (on) {
         end_tour();
+        if (weights_dialog_ != nullptr)
+            weights_dialog_->close();
         set_measuring(false);
         editor_->abandon();
         tabs_->setCurrentIndex(0);

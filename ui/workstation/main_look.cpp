@@ -118,10 +118,13 @@ void MainWindow::set_opened(bool opened)
 
 void MainWindow::next_wall_look()
 {
-    if (model_)
-        set_wall_look(model_->wall_look() == WallLook::solid   ? WallLook::see_through
-                : model_->wall_look() == WallLook::see_through ? WallLook::hidden
-                                                               : WallLook::solid);
+    if (!model_)
+        return;
+    const bool solid = model_->wall_look() == WallLook::solid, hidden = model_->wall_look() == WallLook::hidden;
+    set_wall_look(solid ? WallLook::see_through : hidden ? WallLook::solid : WallLook::hidden);
+    show_message(solid ? "The body's wall is see-through."
+            : hidden   ? "The body's wall is solid."
+                       : "The body's wall is hidden.");
 }
 
 void MainWindow::set_cut_side(std::optional<CutSide> side)
@@ -242,7 +245,7 @@ void MainWindow::name_place(std::size_t scene, const planner::Ray& ray)
         return;
     const auto picked = pick(view_->scenes().at(scene), ray.origin, ray.direction);
     if (!picked)
-        return;
+        return show_message({});
     QString name = QString::fromStdString(model_->name_of(*picked));
     name.replace(0, 1, name.left(1).toUpper());
     if (!model_->lies_as_in_ct(*picked))

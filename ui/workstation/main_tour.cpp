@@ -102,10 +102,10 @@ void MainWindow::go_to_tour_step(std::size_t step)
     if (model_->view_available(shown.view))
         model_->set_view(shown.view);
     make_anatomy();
-    shown_ = {}; // the look of the wall may be another
     tour_bar_->show_step({ .title = shown.title, .text = shown.text }, step + 1, kTour.size());
     tour_bar_->show();
     show_all();
+    reset_view(); // the look of the wall may be another
 }
 
 void MainWindow::end_tour()

@@ -878,9 +878,9 @@ void MainWindow::set_view(ViewPreset view)
     if (labels_->active() && view != ViewPreset::slices)
         tabs_->setCurrentWidget(panel_); // the mouse is the brush's no more
     model_->set_view(view);
-    if (optics_deg_ >= 0.0)
-        shown_ = {}; // from where the picture is seen first, not through the endoscope
     show_all();
+    if (optics_deg_ >= 0.0)
+        reset_view(); // the same picture, but not through the endoscope
 }
 
 void MainWindow::plan_selected()
@@ -1176,7 +1176,8 @@ void MainWindow::show_picture()
         const bool large = large_->isChecked() && shows_slices(shown_.view);
         view_->set_layout(large ? SceneLayout::one_large : SceneLayout::grid);
         view_->show_scenes(std::move(scenes));
-        optics_deg_ = -1.0;
+        if (std::exchange(optics_deg_, -1.0) >= 0.0)
+            clear_error(); // what was said of the endoscope
         view_->set_handle(blade_handle());
         show_kept_view();
     } catch (...) {

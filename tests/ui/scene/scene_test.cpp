@@ -425,6 +425,7 @@ namespace scene_test {
         scene.surfaces[0].opacity = 0.2; // looked through
         EXPECT_EQ(pick(scene, eye, ahead)->name, "heart");
         EXPECT_EQ(pick(scene, eye, ahead)->label, 7);
+        EXPECT_EQ(pick(scene, { 40.0, -600.0, 40.0 }, ahead)->name, "body") << "nothing stands behind it";
         scene.surfaces[0].opacity = 1.0;
         scene.cut_away = CutAway { .point = { 0.0, 5.0, 0.0 } };
         EXPECT_NEAR(pick(scene, eye, ahead)->place.y(), 10.0, kRoundOff) << "the front of the heart is cut away, too";

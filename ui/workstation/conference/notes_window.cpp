@@ -91,6 +91,10 @@ QString NotesWindow::next() const { return next_->text(); }
 /// Presenters for slides send these keys; letters and arrows belong to the notes.
 bool NotesWindow::step_by_key(const QKeyEvent& event) const
 {
+    if (event.key() == Qt::Key_Escape) {
+        on_end();
+        return true;
+    }
     if (event.key() != Qt::Key_PageDown && event.key() != Qt::Key_PageUp)
         return false;
     on_step(event.key() == Qt::Key_PageDown ? 1 : -1);

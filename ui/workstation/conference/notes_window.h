@@ -31,10 +31,10 @@ public:
     // Set by the owner.
     std::function<void(const QString& step, const QString& text)> on_note; ///< a note was changed
     std::function<void(int)> on_step; ///< +1 or -1
-    std::function<void()> on_close;
+    std::function<void()> on_end, on_close; ///< Esc ends the conference
 
 protected:
-    /// Page Down and Page Up go to another step, also while notes are written.
+    /// Page Down and Page Up go to another step and Esc ends the conference, also while notes are written.
     bool eventFilter(QObject* watched, QEvent* event) override;
     void keyPressEvent(QKeyEvent* event) override;
     void closeEvent(QCloseEvent* event) override;

@@ -2,6 +2,7 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/text_format.h"
+#include "planner/anatomy/rib_name.h"
 #include "planner/approach/approach_draft.h"
 #include "planner/measures/comparison.h"
 #include "ui/plan_scene/plan_scene.h"
@@ -521,11 +522,15 @@ void SessionModel::set_anatomy(std::vector<SurfaceItem> surfaces)
 
 std::string SessionModel::name_of(const Picked& picked) const
 {
+    std::string name = picked.name == kBodyName ? "skin" : picked.name;
     const auto& closed = shown_state().closed;
     if (picked.label && closed != nullptr)
-        if (const auto name = closed->label_names.find(*picked.label); name != closed->label_names.end())
-            return readable(name->second);
-    return picked.name == kBodyName ? "skin" : readable(picked.name);
+        if (const auto found = closed->label_names.find(*picked.label); found != closed->label_names.end())
+            name = found->second;
+    const std::size_t marks = std::min(name.find(" ("), name.size()); // "(estimated)"
+    if (const auto rib = planner::rib_name(std::string_view(name).substr(0, marks)))
+        return planner::rib_in_words(*rib) + name.substr(marks);
+    return readable(name);
 }
 
 bool SessionModel::lies_as_in_ct(const Picked& picked) const

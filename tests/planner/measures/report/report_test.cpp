@@ -208,10 +208,8 @@ namespace report_test {
     TEST(Report, SetsNeighboursBesideAnApproach)
     {
         FieldMetrics field = sample_field("intercostal_4"), higher = field;
-        for (FieldMetrics* one : { &field, &higher }) {
-            one->mechanics_status = "converged";
-            one->error = ErrorBars {};
-        }
+        for (FieldMetrics* one : { &field, &higher })
+            add_bars(*one, 1.0, 1.0, 0.01);
         higher.seen_best_eye = 0.5 * field.seen_best_eye;
         const fs::path path = fs::path(testing::TempDir()) / "neighbours.html";
         Report report;

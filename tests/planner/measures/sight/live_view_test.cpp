@@ -1,7 +1,6 @@
 #include "planner/measures/sight/live_view.h"
 
 #include "datasets/phantoms/phantom.h"
-#include "planner/approach/approach_draft.h"
 #include "tests/support/block_case.h"
 
 #include <gtest/gtest.h>
@@ -34,8 +33,9 @@ namespace live_view_test {
     TEST(LiveView, SeesAllWithoutAWallNothingThroughAClosedOneAndMoreThroughAWiderSlit)
     {
         Patient patient(test_support::block_case("live", datasets::make_block_phantom(test_support::small_block())));
-        const Approach approach = approach_from_draft(patient, patient.planned_case(),
-            { .points = { { -22.0, 0.0, 0.0 }, { 24.0, 0.0, 0.0 } }, .target = "target" });
+        constexpr double kOpeningMm = 20.0;
+        const Approach approach
+            = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), kOpeningMm);
         const LiveView view(patient, approach);
         constexpr double kOfSamples = 0.02;
         const SeenNow open = view.look({}, {});

@@ -324,6 +324,7 @@ namespace label_window_test {
         test_support::show_window(window_);
         window_.open(block_case(folder_.path));
         test_support::wait_until_idle(window_);
+        window_.close_case(); // or the other window would only look
         // The patient has read its labels for the picture: a window that has not finds none.
         MainWindow other { [](const planner::Case& planned_case) {
             PlanningBackend backend = make_planning_backend(planned_case);

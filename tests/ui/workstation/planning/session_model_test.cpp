@@ -335,6 +335,15 @@ namespace session_model_test {
         EXPECT_NE(scenes[2].camera.eye, scenes[3].camera.eye);
     }
 
+    TEST(SessionModel, WhatIsPickedHasTheNamesOfSurgeons)
+    {
+        const SessionModel model(planner::Case {});
+        EXPECT_EQ(model.name_of({ .name = "rib_left_4" }), "rib 4 on the left");
+        EXPECT_EQ(model.name_of({ .name = "rib_right_11 (estimated)" }), "rib 11 on the right (estimated)");
+        EXPECT_EQ(model.name_of({ .name = "pulmonary_trunk" }), "pulmonary trunk");
+        EXPECT_EQ(model.name_of({ .name = "body" }), "skin");
+    }
+
     TEST(Measurement, AnAreaIsThatOfItsPolygon)
     {
         // An L of 20 x 20 mm without its quarter, in a plane in no direction of the axes.

@@ -20,7 +20,7 @@ namespace retractor::ui {
 
 namespace {
 
-    constexpr int kMarkMs = 150; ///< the mark follows when the hand has rested for this time
+    constexpr int kMarkMs = 400; ///< the mark follows when the hand has rested: it takes longer to draw than slices
     constexpr double kCutStepMm = 5.0;
     constexpr double kObliqueDeg = 30.0, kTipMm = 50.0, kQuarterDeg = 90.0; ///< of endoscopes
 

@@ -179,7 +179,8 @@ void MainWindow::show_place()
         for (std::size_t i = 0; i < view_->scenes().size(); ++i)
             if (view_->scenes()[i].cut_away)
                 view_->move_cut_away(i, *cut);
-    mark_timer_.start();
+    if (is_drawn_on(model_->shown_view()))
+        mark_timer_.start();
 }
 
 void MainWindow::step_cut(double notches)

@@ -564,7 +564,7 @@ Scene SessionModel::looked_into(Scene scene) const
             if (std::none_of(scene.surfaces.begin(), scene.surfaces.end(),
                     [&](const SurfaceItem& item) { return item.name == organ.name; }))
                 scene.surfaces.push_back(organ);
-    if (const auto& place = shown_state().slice_point; place && shown_view() != ViewPreset::compare)
+    if (const auto& place = shown_state().slice_point; place && is_drawn_on(shown_view())) // slices show it themselves
         for (const LineItem& line : mark_at(*place, kMarkMm))
             scene.lines.push_back(line);
     return scene;

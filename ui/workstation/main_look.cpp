@@ -1,6 +1,7 @@
 // How the main window lets one look into the patient: through the wall, past a cut, and what lies under the mouse.
 
 #include "mesh/base/text_format.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/camera_motion.h"
 #include "ui/scene/pick.h"
@@ -247,8 +248,7 @@ void MainWindow::name_place(std::size_t scene, const planner::Ray& ray)
     const auto picked = pick(view_->scenes().at(scene), ray.origin, ray.direction);
     if (!picked)
         return show_message({});
-    QString name = QString::fromStdString(model_->name_of(*picked));
-    name.replace(0, 1, name.left(1).toUpper());
+    const QString name = QString::fromStdString(planner::capital(model_->name_of(*picked)));
     if (!model_->lies_as_in_ct(*picked))
         return show_message(name);
     model_->set_slice_point(picked->place);

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/approach/approach_draft.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/comparison.h"
 #include "planner/measures/verdict.h"
 #include "ui/workstation/planning/approach_dialog.h"
@@ -66,12 +67,7 @@ namespace {
         return pair;
     }
 
-    QString sentence(std::string text)
-    {
-        QString words = QString::fromStdString(text);
-        words.replace(0, 1, words.left(1).toUpper());
-        return words;
-    }
+    QString sentence(std::string text) { return QString::fromStdString(planner::capital(std::move(text))); }
 
     QTableWidgetItem* cell(const std::string& text) { return new QTableWidgetItem(QString::fromStdString(text)); }
 

@@ -31,7 +31,7 @@ namespace retractor_plan_test {
         approach.sizing.region_mm = 30.0; // the border of the region holds the wall
         approach.sizing.mesh_seed = mesh_seed;
         if (choice.element != ElementKind::p1)
-            approach.sizing.corridor_edge_mm = 9.0; // contact of ten-node elements takes its time
+            approach.sizing.corridor_edge_mm = 12.0; // contact of ten-node elements takes its time
         RetractorKind kind = find_retractor(built_in_retractors(), "midcab");
         kind.blade_width_mm = 20.0;
         approach.retractor = make_retractor(approach, kind, drive);

@@ -180,7 +180,7 @@ void PictureView::replace_scene(std::size_t index, Scene scene)
         Scene shown = draws_whole_scenes() ? scenes_->at(index) : coarse_scenes_.at(index);
         const Viewport place = arranged().at(index);
         if (!draws_whole_scenes())
-            sample_at_pixels(shown, (place.top - place.bottom) * height());
+            sample_at_pixels(shown, (place.top - place.bottom) * pixel_ratio() * height());
         drawn_->views.at(index).show(shown);
     }
     change();
@@ -195,7 +195,8 @@ void PictureView::build(bool keep_cameras)
     makeCurrent();
     const std::vector<Camera> before = cameras();
     drawn_->views.clear();
-    const double ratio = devicePixelRatioF();
+    const double ratio = pixel_ratio();
+    set_pixel_ratio(ratio);
     const bool whole = draws_whole_scenes();
     drawn_->volumes.set_interactive(!whole);
     for (Viewport& viewport :
@@ -206,7 +207,7 @@ void PictureView::build(bool keep_cameras)
         if (keep_cameras && index < before.size() && viewport.scene.slices.empty())
             viewport.scene.camera = before[index];
         if (!whole)
-            sample_at_pixels(viewport.scene, (viewport.top - viewport.bottom) * height());
+            sample_at_pixels(viewport.scene, (viewport.top - viewport.bottom) * ratio * height());
         drawn_->views.back().show(viewport.scene);
     }
     drawn_cameras_ = cameras();
@@ -235,8 +236,49 @@ PictureRequest PictureView::request() const
     return request;
 }
 
+double PictureView::pixel_ratio() const
+{
+    // What stays on the screen, because no full picture follows it, is as fine as the screen.
+    return devicePixelRatioF() * (can_rest() && !saving_ ? moving_.scale() : 1.0);
+}
+
+void PictureView::set_pixel_ratio(double ratio)
+{
+    const double before = effectiveDevicePixelRatio();
+    if (ratio == before)
+        return;
+    setCustomDevicePixelRatio(ratio);
+    drawn_->window->SetSize(
+        static_cast<int>(std::lround(ratio * width())), static_cast<int>(std::lround(ratio * height())));
+    // A drag goes on from where the mouse is, in the new pixels.
+    int at[2] = { 0, 0 };
+    interactor()->GetEventPosition(at);
+    interactor()->SetEventPosition(
+        static_cast<int>(std::lround(at[0] * ratio / before)), static_cast<int>(std::lround(at[1] * ratio / before)));
+}
+
+bool PictureView::measure_drawing()
+{
+    // An empty scene says nothing.
+    if (measured_ || std::all_of(scenes_->begin(), scenes_->end(), [](const Scene& s) { return s.surfaces.empty(); }))
+        return false;
+    measured_ = true;
+    makeCurrent();
+    double quickest_ms = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 2; ++i) {
+        const Stopwatch watch;
+        drawn_->window->Render();
+        quickest_ms = std::min(quickest_ms, 1e3 * watch.seconds());
+    }
+    return moving_.begin(quickest_ms);
+}
+
 void PictureView::rest()
 {
+    if (can_rest() && is_drawn() && (measure_drawing() || moving_.rested())) {
+        build(true);
+        return; // it rests again at once
+    }
     if (can_rest() && is_drawn())
         background_.request(request());
     else
@@ -285,7 +327,10 @@ void PictureView::set_live(const LiveProps* live)
         }
     }
     live_ = live;
-    change();
+    if (pixel_ratio() != effectiveDevicePixelRatio())
+        build(true);
+    else
+        change();
 }
 
 void PictureView::draw_soon()
@@ -347,6 +392,10 @@ void PictureView::draw_now()
     drawn_->window->Render();
     update();
     draw_ms_ = 1e3 * watch.seconds();
+    if (can_rest() && !saving_ && is_drawn() && moving_.drawn(draw_ms_)) {
+        build(true);
+        rest_timer_.start(kRestMs); // the motion goes on
+    }
 }
 
 void PictureView::set_tool(PictureTool* tool)

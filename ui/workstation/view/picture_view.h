@@ -7,6 +7,7 @@
 #include "ui/scene/scene.h"
 #include "ui/scene/vtk/vtk_errors.h"
 #include "ui/workstation/view/background_picture.h"
+#include "ui/workstation/view/moving_resolution.h"
 
 #include <QVTKOpenGLNativeWidget.h>
 
@@ -200,6 +201,12 @@ private:
     /// Moves the other cameras as the one that has moved since the last picture.
     void move_linked();
     void draw_now();
+    /// Measures, once, how long a drawing takes on this machine. @return whether the resolution has changed by it
+    bool measure_drawing();
+    /// Pixels drawn for each of the widget's, along each side.
+    double pixel_ratio() const;
+    /// Draws with that many pixels from now on.
+    void set_pixel_ratio(double ratio);
 
     VtkErrorTrap errors_;
     std::shared_ptr<const std::vector<Scene>> scenes_ = std::make_shared<const std::vector<Scene>>();
@@ -223,6 +230,8 @@ private:
     std::optional<QPointF> pressed_in_space_; ///< where the left button went down on a scene in space
     bool turning_ = false; ///< the camera is being turned while there is a tool
     double draw_ms_ = 0.0;
+    MovingResolution moving_;
+    bool measured_ = false; ///< how long a drawing takes here
     int pictures_ = 0;
     bool coarse_ = false;
     bool linked_ = false;

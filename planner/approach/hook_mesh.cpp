@@ -35,11 +35,13 @@ namespace {
             throw InputError("a hook's pull must be a direction and not lie along its outward direction", where);
     }
 
+    double height_of(const HookShape& hook) { return hook.height_mm > 0.0 ? hook.height_mm : 0.5 * hook.depth_mm; }
+
     std::vector<CrossSection> profile(const HookShape& hook)
     {
         const double half = 0.5 * hook.width_mm;
         const double narrow = std::max(0.35 * half, 2.0);
-        const double height = hook.height_mm > 0.0 ? hook.height_mm : 0.5 * hook.depth_mm;
+        const double height = height_of(hook);
         std::vector<CrossSection> line;
         // A rounded toe, so that the blade does not end in a square.
         const double toe = std::min(0.4 * half, 0.3 * hook.depth_mm);
@@ -64,6 +66,30 @@ namespace {
             line.push_back({ end.p + step * std::sin(turn), end.o + step * std::cos(turn), narrow });
         }
         return line;
+    }
+
+    /// A bar of square cross-section. @param up not along the bar
+    void add_bar(TriMesh& mesh, const Vec3& from, const Vec3& to, const Vec3& up)
+    {
+        constexpr double kHalf = 4.0; // mm
+        const Vec3 along = (to - from).normalized();
+        const Vec3 side = kHalf * along.cross(up).normalized(), high = kHalf * side.cross(along).normalized();
+        const auto first = static_cast<VertexId>(mesh.vertices.rows());
+        mesh.vertices.conservativeResize(first + 8, 3);
+        Eigen::Index row = first;
+        for (const Vec3& end : { from, to })
+            for (const Vec3& corner : { Vec3(-side - high), Vec3(side - high), Vec3(side + high), Vec3(-side + high) })
+                mesh.vertices.row(row++) = (end + corner).transpose();
+        const auto quad = [&](VertexId a, VertexId b, VertexId c, VertexId d) {
+            mesh.triangles.push_back({ first + a, first + b, first + c });
+            mesh.triangles.push_back({ first + a, first + c, first + d });
+        };
+        for (VertexId e = 0; e < 4; ++e) {
+            const VertexId f = (e + 1) % 4;
+            quad(4 + e, 4 + f, f, e);
+        }
+        quad(0, 1, 2, 3);
+        quad(7, 6, 5, 4);
     }
 
 } // namespace
@@ -107,6 +133,30 @@ TriMesh hook_mesh(const HookShape& hook)
     const VertexId last = 4 * (count - 1);
     quad(last, last + 1, last + 2, last + 3);
     RETRACTOR_ASSERT(mesh.triangles.size() == 8 * line.size() - 4);
+    return mesh;
+}
+
+TriMesh rack_mesh(const HookShape& blade, const HookShape& opposite)
+{
+    check(blade);
+    check(opposite);
+    constexpr double kAbove = kBendRadius + 4.0; ///< of the arms over the blades' bend
+    constexpr double kBeside = kBendRadius + 4.0; ///< of the arms beside the lips, so that they hide no wound
+    constexpr double kBeyond = 35.0; ///< of the rack beyond the blades' ends
+    constexpr double kOver = 12.0; ///< of the rack over the arms, outwards
+    const Vec3 outward = (blade.outward.normalized() + opposite.outward.normalized()).normalized();
+    const Vec3 rack = blade.pull.normalized();
+    const Vec3 along = outward.cross(rack).normalized();
+    const double reach = 0.5 * std::max(blade.width_mm, opposite.width_mm) + kBeyond;
+    TriMesh mesh;
+    std::vector<Vec3> ends;
+    for (const HookShape* one : { &blade, &opposite }) {
+        const Vec3 arm = one->position + (height_of(*one) + kAbove) * outward + kBeside * one->pull.normalized();
+        add_bar(mesh, arm - 0.5 * one->width_mm * along, arm + reach * along, outward);
+        ends.push_back(arm + reach * along);
+    }
+    const Vec3 line = (ends[0] - ends[1]).norm() > 1.0 ? Vec3((ends[0] - ends[1]).normalized()) : rack;
+    add_bar(mesh, ends[1] - kOver * line, ends[0] + kOver * line, outward);
     return mesh;
 }
 

@@ -26,4 +26,9 @@ struct HookShape {
 /// @throws InputError on values that are not finite, sizes that are not positive, or a pull along `outward`
 TriMesh hook_mesh(const HookShape& hook);
 
+/// The arms and the rack that join two blades of a retractor, above the skin, at one end of the wound: three closed
+/// bars, whose triangles face outwards.
+/// @throws InputError as hook_mesh()
+TriMesh rack_mesh(const HookShape& blade, const HookShape& opposite);
+
 } // namespace retractor::planner

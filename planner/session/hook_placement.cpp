@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <optional>
 #include <queue>
 #include <set>
 #include <utility>
@@ -82,6 +83,143 @@ namespace {
         return -1;
     }
 
+    /// The edges of all wounds.
+    struct WoundEdges {
+        std::vector<std::array<VertexId, 2>> rims;
+        std::set<VertexId> edge, meeting;
+    };
+
+    std::optional<WoundEdges> edges_of(
+        const WallSurface& surface, std::span<const LipTriangle> lips, std::string& why_not)
+    {
+        if (lips.empty()) {
+            why_not = "there is no wound to open: cut first";
+            return std::nullopt;
+        }
+        WoundEdges edges { .rims = wound_rims(surface), .edge = {}, .meeting = meeting_vertices(lips) };
+        for (const auto& rim : edges.rims)
+            edges.edge.insert(rim.begin(), rim.end());
+        return edges;
+    }
+
+    /// A vertex of a wound's edge, and its lip.
+    struct Grip {
+        VertexId vertex = -1;
+        Lip lip;
+    };
+
+    std::optional<Lip> lip_of(std::span<const LipTriangle> lips, VertexId vertex)
+    {
+        const auto own = std::find_if(lips.begin(), lips.end(), [&](const LipTriangle& lip) {
+            return std::find(lip.vertices.begin(), lip.vertices.end(), vertex) != lip.vertices.end();
+        });
+        return own == lips.end() ? std::nullopt : std::optional(Lip { own->cut, own->side });
+    }
+
+    std::optional<Grip> grip_near(const WallSurface& surface, std::span<const LipTriangle> lips,
+        const WoundEdges& edges, const Touch& at, std::string& why_not)
+    {
+        const VertexId vertex = nearest_on_edge(surface, edges.edge, edges.meeting, at);
+        if (vertex < 0) {
+            why_not = "there is no wound within 20 mm of here: press on its edge";
+            return std::nullopt;
+        }
+        const auto lip = lip_of(lips, vertex);
+        if (!lip) // the surface is older than the cut
+            why_not = "the wound has just changed: press again";
+        return lip ? std::optional(Grip { vertex, *lip }) : std::nullopt;
+    }
+
+    /// The place of the other lip that lay beside the grip before the cut.
+    std::optional<Grip> grip_opposite(const WallSurface& surface, std::span<const LipTriangle> lips,
+        const WoundEdges& edges, const Grip& grip, std::string& why_not)
+    {
+        const Lip other { grip.lip.first, -grip.lip.second };
+        Grip nearest { -1, other };
+        double least = kReachMm;
+        for (const LipTriangle& lip : lips)
+            if (Lip { lip.cut, lip.side } == other)
+                for (const VertexId v : lip.vertices)
+                    if (const double distance = (place(surface, v) - place(surface, grip.vertex)).norm();
+                        distance < least && edges.edge.contains(v) && !edges.meeting.contains(v)) {
+                        least = distance;
+                        nearest.vertex = v;
+                    }
+        if (nearest.vertex < 0) {
+            why_not = "the wound has no other lip opposite: a retractor needs two";
+            return std::nullopt;
+        }
+        return nearest;
+    }
+
+    /// Turns a patch so that it pulls this way. @pre the patch has a direction along the wound
+    void turn_to_pull(HookPlacement& placement, const Vec3& pull, const Vec3& inward)
+    {
+        placement.pull = pull;
+        placement.along = (placement.along - placement.along.dot(pull) * pull).normalized();
+        placement.inward = pull.cross(placement.along).normalized();
+        if (placement.inward.dot(inward) < 0.0)
+            placement.inward = -placement.inward;
+    }
+
+    /// Turns a patch as the lip lies at the grip. @return false, with the reason, where the edge has no direction
+    bool turn_to_lip(const WallSurface& surface, std::span<const LipTriangle> lips, const WoundEdges& edges,
+        const Grip& grip, const Vec3& inward, HookPlacement& placement, std::string& why_not)
+    {
+        placement.cut = grip.lip.first;
+        placement.side = grip.lip.second;
+        Vec3 gap = Vec3::Zero(), along = Vec3::Zero();
+        for (const LipTriangle& lip : lips) {
+            if (Lip { lip.cut, lip.side } != grip.lip)
+                continue;
+            const Vec3 a = place(surface, lip.vertices[0]);
+            if ((a - place(surface, grip.vertex)).norm() < kLipRadiusMm)
+                gap += (place(surface, lip.vertices[1]) - a).cross(place(surface, lip.vertices[2]) - a);
+        }
+        for (const auto& [a, b] : edges.rims)
+            if (a == grip.vertex || b == grip.vertex) {
+                const Vec3 piece = place(surface, b) - place(surface, a);
+                along += along.dot(piece) < 0.0 ? Vec3(-piece) : piece;
+            }
+        if (!(gap.norm() > 0.0 && along.norm() > 0.0)) {
+            why_not = "the edge of the wound has no direction here: press elsewhere on it";
+            return false;
+        }
+        placement.along = along;
+        turn_to_pull(placement, -gap.normalized(), inward);
+        return true;
+    }
+
+    /// Takes the free vertices of the lip under the patch. @return false, with the reason, where there are fewer than
+    /// three; there are no nodes then
+    bool take_nodes(const WallSurface& surface, std::span<const LipTriangle> lips, const WoundEdges& edges,
+        std::span<const char> held, VertexId grip, HookPlacement& placement, std::string& why_not)
+    {
+        placement.centre = place(surface, grip) + (0.5 * placement.height_mm - kAboveEdgeMm) * placement.inward;
+        std::vector<std::array<VertexId, 3>> faces;
+        for (const LipTriangle& lip : lips)
+            if (lip.cut == placement.cut && lip.side == placement.side)
+                faces.push_back(lip.vertices);
+        mesh::TetMesh vertices; // in the form that hook_patch_nodes() takes
+        vertices.vertices = surface.rest;
+        try {
+            placement.nodes = fem::hook_patch_nodes(vertices, faces, placement.centre, placement.along,
+                placement.inward, placement.width_mm, placement.height_mm);
+        } catch (const InputError& error) {
+            why_not = error.what();
+            return false;
+        }
+        std::erase_if(placement.nodes, [&](VertexId v) {
+            return edges.meeting.contains(v)
+                || (static_cast<std::size_t>(v) < held.size() && held[static_cast<std::size_t>(v)] != 0);
+        });
+        if (placement.nodes.size() >= 3)
+            return true;
+        why_not = "the wound is too small here: fewer than three of its places are free to be held";
+        placement.nodes.clear();
+        return false;
+    }
+
     Vec3 mean_direction(const Approach& approach)
     {
         Vec3 sum = Vec3::Zero();
@@ -110,66 +248,43 @@ HookPlacement find_hook_placement(const WallSurface& surface, std::span<const Li
     std::span<const char> held, const Touch& at, std::string& why_not)
 {
     HookPlacement placement;
-    const auto refuse = [&](std::string reason) {
-        why_not = std::move(reason);
-        placement.nodes.clear();
-        return placement;
-    };
-    if (lips.empty())
-        return refuse("there is no wound to open: cut first");
-    const auto rims = wound_rims(surface);
-    std::set<VertexId> edge;
-    for (const auto& rim : rims)
-        edge.insert(rim.begin(), rim.end());
-    const std::set<VertexId> meeting = meeting_vertices(lips);
-    const VertexId grip = nearest_on_edge(surface, edge, meeting, at);
-    if (grip < 0)
-        return refuse("there is no wound within 20 mm of here: set the hook on its edge");
-    const auto own = std::find_if(lips.begin(), lips.end(), [&](const LipTriangle& lip) {
-        return std::find(lip.vertices.begin(), lip.vertices.end(), grip) != lip.vertices.end();
-    });
-    if (own == lips.end()) // the surface is older than the cut
-        return refuse("the wound has just changed: set the hook again");
-    placement.cut = own->cut;
-    placement.side = own->side;
-    std::vector<std::array<VertexId, 3>> faces;
-    Vec3 gap = Vec3::Zero(), along = Vec3::Zero();
-    for (const LipTriangle& lip : lips) {
-        if (lip.cut != placement.cut || lip.side != placement.side)
-            continue;
-        faces.push_back(lip.vertices);
-        const Vec3 a = place(surface, lip.vertices[0]);
-        if ((a - place(surface, grip)).norm() < kLipRadiusMm)
-            gap += (place(surface, lip.vertices[1]) - a).cross(place(surface, lip.vertices[2]) - a);
+    if (const auto edges = edges_of(surface, lips, why_not)) {
+        const auto grip = grip_near(surface, lips, *edges, at, why_not);
+        if (grip && turn_to_lip(surface, lips, *edges, *grip, at.inward, placement, why_not))
+            take_nodes(surface, lips, *edges, held, grip->vertex, placement, why_not);
     }
-    for (const auto& [a, b] : rims)
-        if (a == grip || b == grip) {
-            const Vec3 piece = place(surface, b) - place(surface, a);
-            along += along.dot(piece) < 0.0 ? Vec3(-piece) : piece;
-        }
-    if (!(gap.norm() > 0.0 && along.norm() > 0.0))
-        return refuse("the edge of the wound has no direction here: set the hook elsewhere");
-    placement.pull = -gap.normalized();
-    placement.along = (along - along.dot(placement.pull) * placement.pull).normalized();
-    placement.inward = placement.pull.cross(placement.along).normalized();
-    if (placement.inward.dot(at.inward) < 0.0)
-        placement.inward = -placement.inward;
-    placement.centre = place(surface, grip) + (0.5 * placement.height_mm - kAboveEdgeMm) * placement.inward;
-    mesh::TetMesh vertices; // in the form that hook_patch_nodes() takes
-    vertices.vertices = surface.rest;
-    try {
-        placement.nodes = fem::hook_patch_nodes(vertices, faces, placement.centre, placement.along, placement.inward,
-            placement.width_mm, placement.height_mm);
-    } catch (const InputError& error) {
-        return refuse(error.what());
-    }
-    std::erase_if(placement.nodes, [&](VertexId v) {
-        return meeting.contains(v)
-            || (static_cast<std::size_t>(v) < held.size() && held[static_cast<std::size_t>(v)] != 0);
-    });
-    if (placement.nodes.size() < 3)
-        return refuse("the wound is too small here for a hook: fewer than three of its places are free");
     return placement;
+}
+
+std::array<HookPlacement, 2> find_blade_placements(const WallSurface& surface, std::span<const LipTriangle> lips,
+    std::span<const char> held, const Touch& at, double width_mm, double depth_mm, std::string& why_not)
+{
+    HookPlacement blade;
+    blade.width_mm = width_mm;
+    blade.height_mm = depth_mm;
+    std::array<HookPlacement, 2> blades { blade, blade };
+    const auto edges = edges_of(surface, lips, why_not);
+    if (!edges)
+        return blades;
+    const auto first = grip_near(surface, lips, *edges, at, why_not);
+    if (!first)
+        return blades;
+    const auto second = grip_opposite(surface, lips, *edges, *first, why_not);
+    if (!second)
+        return blades;
+    const std::array grips { *first, *second };
+    for (std::size_t i = 0; i < 2; ++i)
+        if (!turn_to_lip(surface, lips, *edges, grips[i], at.inward, blades[i], why_not))
+            return blades;
+    const Vec3 rack = (blades[0].pull - blades[1].pull).normalized(); // the lips of a bent wound are not quite parallel
+    for (std::size_t i = 0; i < 2; ++i) {
+        turn_to_pull(blades[i], i == 0 ? rack : Vec3(-rack), at.inward);
+        if (!take_nodes(surface, lips, *edges, held, grips[i].vertex, blades[i], why_not)) {
+            blades[0].nodes.clear();
+            return blades;
+        }
+    }
+    return blades;
 }
 
 PlannedPlacements planned_placements(const mesh::CutSession& session, const Approach& approach,

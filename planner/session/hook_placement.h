@@ -39,6 +39,14 @@ struct HookPlacement {
 HookPlacement find_hook_placement(const WallSurface& surface, std::span<const LipTriangle> lips,
     std::span<const char> held, const Touch& at, std::string& why_not);
 
+/// Finds the patches of a retractor's two blades: one near a touched place, one on the lip opposite. Both pull along
+/// one line, the rack's.
+/// @param width_mm along the wound
+/// @param depth_mm into the wound; a blade deeper than the wound holds the whole lip
+/// @param held, why_not as find_hook_placement(); where a blade finds no lip, neither has nodes
+std::array<HookPlacement, 2> find_blade_placements(const WallSurface& surface, std::span<const LipTriangle> lips,
+    std::span<const char> held, const Touch& at, double width_mm, double depth_mm, std::string& why_not);
+
 /// The planned hooks that find a lip in a wound that was drawn by hand.
 struct PlannedPlacements {
     std::vector<HookPlacement> placements;

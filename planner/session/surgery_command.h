@@ -44,6 +44,17 @@ namespace surgery {
     struct PlaceHook {
         Touch at {};
     };
+    /// See SurgerySession::place_retractor().
+    struct PlaceRetractor {
+        Touch at {};
+        RetractorKind kind {};
+    };
+    /// Opens the retractor with this blade to a distance of its blades. Of the waiting commands only the newest for
+    /// each blade runs.
+    struct Crank {
+        fem::HookId blade = 0;
+        double opening_mm = 0.0;
+    };
     struct TakePlannedHooks { };
     /// Pulls one hook to a displacement, mm from rest. Of the waiting commands only the newest for each hook runs, so
     /// that the wound follows the hand.
@@ -79,8 +90,8 @@ namespace surgery {
     };
 
     using Command = std::variant<BeginStroke, DrawTo, LeaveWall, FinishStroke, AbandonStroke, TakeOut, Undo, Redo, GoTo,
-        SetTension, PlaceHook, TakePlannedHooks, PullHook, PullAllHooks, PullHooksByShare, SetYield, SetNonlinear,
-        TakeOffHook, TakeOffHooks, ExportWall>;
+        SetTension, PlaceHook, PlaceRetractor, Crank, TakePlannedHooks, PullHook, PullAllHooks, PullHooksByShare,
+        SetYield, SetNonlinear, TakeOffHook, TakeOffHooks, ExportWall>;
 
 } // namespace surgery
 } // namespace retractor::planner

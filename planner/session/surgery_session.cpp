@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <exception>
+#include <map>
 #include <sstream>
 #include <utility>
 
@@ -669,9 +670,14 @@ void SurgerySession::renew_hooks()
             hook.placement.nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
         placements.push_back(hook.placement);
     }
+    const std::vector<RetractorState> retractors = hooks_->report().retractors;
     make_hooks(placements);
+    std::map<fem::HookId, fem::HookId> now;
     for (const HookState& hook : hooks)
-        hooks_->attach(hook.placement, hook.name, hook.drive, hook.planned);
+        now[hook.id] = hooks_->attach(hook.placement, hook.name, hook.drive, hook.planned);
+    for (const RetractorState& retractor : retractors)
+        hooks_->join({ now.at(retractor.blades[0]), now.at(retractor.blades[1]) }, retractor.kind,
+            retractor.greatest_opening_mm);
 }
 
 /// Runs a call of the solver that may fail; the cut stays when it fails.
@@ -768,14 +774,91 @@ KnifeAnswer SurgerySession::place_hook(const Touch& at)
     if (placement.nodes.empty())
         return { false, why_not };
     const std::string name = "hook " + std::to_string(hooks_placed_ + 1);
-    Vec3 lies = Vec3::Zero(); // under tension the lip has moved: the hook takes the lip at its present place
-    for (const VertexId v : placement.nodes)
-        lies += (picture()->shown.row(v) - picture()->surface->rest.row(v)).transpose()
-            / static_cast<double>(placement.nodes.size());
+    const Vec3 lies = present_place(placement);
     KnifeAnswer answer = attach({ std::move(placement) }, { name }, { { .displacement = lies } }, false, {});
     if (answer.done)
         ++hooks_placed_;
     return answer;
+}
+
+/// Mean displacement of the lip under a patch: under tension, or with other hooks, the lip has moved.
+Vec3 SurgerySession::present_place(const HookPlacement& placement)
+{
+    Vec3 lies = Vec3::Zero();
+    for (const VertexId v : placement.nodes)
+        lies += (picture()->shown.row(v) - picture()->surface->rest.row(v)).transpose()
+            / static_cast<double>(placement.nodes.size());
+    return lies;
+}
+
+namespace {
+
+    /// "left blade", "upper blade": by the direction in which it pulls, LPS.
+    std::string blade_name(const Vec3& pull)
+    {
+        Eigen::Index axis = 0;
+        pull.cwiseAbs().maxCoeff(&axis);
+        const bool positive = pull[axis] > 0.0;
+        if (axis == 0)
+            return positive ? "left blade" : "right blade";
+        if (axis == 1)
+            return positive ? "back blade" : "front blade";
+        return positive ? "upper blade" : "lower blade";
+    }
+
+} // namespace
+
+KnifeAnswer SurgerySession::place_retractor(const Touch& at, const RetractorKind& kind)
+{
+    if (stroke_open())
+        return { false, "a stroke is open: finish it first" };
+    std::string why_not;
+    std::array<HookPlacement, 2> blades = find_blade_placements(
+        *picture()->surface, lip_triangles(session_), held_, at, kind.blade_width_mm, kind.blade_depth_mm, why_not);
+    if (blades[0].nodes.empty())
+        return { false, why_not };
+    const std::size_t there = hooks().retractors.size();
+    const std::string number = there == 0 ? std::string {} : " " + std::to_string(there + 1);
+    std::vector<std::string> names;
+    std::vector<fem::HookDrive> drives;
+    for (const HookPlacement& blade : blades) {
+        names.push_back(blade_name(blade.pull) + number);
+        drives.push_back({ .displacement = present_place(blade) });
+    }
+    const std::size_t hooks_there = hooks().hooks.size();
+    KnifeAnswer answer = attach({ blades.begin(), blades.end() }, names, drives, false, {});
+    if (hooks_ == nullptr)
+        return { false, answer.reason.empty() ? take_remark() : answer.reason };
+    const std::vector<HookState> attached(
+        hooks_->report().hooks.begin() + static_cast<std::ptrdiff_t>(hooks_there), hooks_->report().hooks.end());
+    if (attached.size() == 2) {
+        change_hooks([&] { hooks_->join({ attached[0].id, attached[1].id }, kind.kind, kind.greatest_opening_mm); });
+        return answer;
+    }
+    for (const HookState& one : attached)
+        take_off_hook(one.id);
+    return { false, "both blades must find a lip: " + answer.reason };
+}
+
+void SurgerySession::crank(fem::HookId blade, double opening_mm)
+{
+    if (has_hook(blade))
+        change_hooks([&] { hooks_->crank(blade, opening_mm); });
+}
+
+/// Gives the blades of a planned retractor that is opened by a distance their rack.
+void SurgerySession::join_planned_blades()
+{
+    if (hooks_ == nullptr || !approach_.retractor || approach_.retractor->force_N)
+        return;
+    std::vector<fem::HookId> blades;
+    for (const HookState& hook : hooks_->report().hooks)
+        if (hook.planned)
+            blades.push_back(hook.id);
+    if (blades.size() == 2 && hooks_->report().retractors.empty())
+        change_hooks([&] {
+            hooks_->join({ blades[0], blades[1] }, approach_.retractor->kind, approach_.retractor->greatest_opening_mm);
+        });
 }
 
 namespace {
@@ -825,6 +908,7 @@ KnifeAnswer SurgerySession::take_planned_hooks()
         return { false, "the planned hooks already hold the wound: remove them to start again" };
     KnifeAnswer answer
         = attach(std::move(planned.placements), planned.names, planned.drives, true, std::move(planned.omitted));
+    join_planned_blades();
     if (answer.done && tension_ != case_tension())
         answer.reason += (answer.reason.empty() ? "" : "; ") + tension_unlike_the_plan(tension_, case_tension());
     return answer;

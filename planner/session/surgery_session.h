@@ -10,6 +10,7 @@
 #include "mesh/cutting/pieces.h"
 #include "mesh/cutting/surface_follower.h"
 #include "mesh/image/volume.h"
+#include "planner/approach/retractors.h"
 #include "planner/case/approach.h"
 #include "planner/session/cut_history.h"
 #include "planner/session/wall_picture.h"
@@ -147,8 +148,13 @@ public:
     /// solver (part "online opening"). Refused with a message when there is no lip to hold, while a stroke is open, and
     /// when the wall has no support.
     KnifeAnswer place_hook(const Touch& at);
-    /// Places the approach's hooks, with their planned displacement, force, limit and soft grip. Hooks without a lip to
-    /// hold are left out and named in the message.
+    /// Places a retractor: one blade on the wound's edge near the touched place, the other on the lip opposite. It
+    /// holds the lips where they are now. Refused as place_hook().
+    KnifeAnswer place_retractor(const Touch& at, const RetractorKind& kind);
+    /// Opens a retractor to a distance of its blades, as WoundHooks::crank(); does nothing when the blade is gone.
+    void crank(fem::HookId blade, double opening_mm);
+    /// Places the approach's hooks or retractor, with their planned displacement, force, limit and soft grip. Hooks
+    /// without a lip to hold are left out and named in the message.
     KnifeAnswer take_planned_hooks();
     std::size_t planned_hooks() const { return approach_.hooks.size(); }
     /// Pulls a hook to a displacement, mm from rest; does nothing when the hook is gone.
@@ -204,6 +210,8 @@ private:
     std::vector<fem::Hinge> present_hinges() const;
     void make_hooks(std::span<const HookPlacement> placements);
     void renew_hooks();
+    Vec3 present_place(const HookPlacement& placement);
+    void join_planned_blades();
     void drop_hooks(const std::string& why);
     void hooks_taken_off();
     KnifeAnswer attach(std::vector<HookPlacement> placements, const std::vector<std::string>& names,

@@ -25,6 +25,8 @@ namespace {
     {
         if (const auto* pull = std::get_if<surgery::PullHook>(&command))
             return "hook " + std::to_string(pull->hook);
+        if (const auto* crank = std::get_if<surgery::Crank>(&command))
+            return "hook " + std::to_string(crank->blade);
         const bool of_all = std::holds_alternative<surgery::PullAllHooks>(command)
             || std::holds_alternative<surgery::PullHooksByShare>(command);
         return of_all ? "all hooks" : "";
@@ -93,6 +95,11 @@ struct SurgeryWorker::Runner {
     void operator()(const surgery::SetTension& c) const { live_session.set_tension(c.strain); }
 
     KnifeAnswer operator()(const surgery::PlaceHook& c) const { return live_session.place_hook(c.at); }
+    KnifeAnswer operator()(const surgery::PlaceRetractor& c) const
+    {
+        return live_session.place_retractor(c.at, c.kind);
+    }
+    void operator()(const surgery::Crank& c) const { live_session.crank(c.blade, c.opening_mm); }
     KnifeAnswer operator()(const surgery::TakePlannedHooks&) const { return live_session.take_planned_hooks(); }
     void operator()(const surgery::PullHook& c) const { live_session.pull_hook(c.hook, c.asked); }
     void operator()(const surgery::PullAllHooks& c) const { live_session.pull_all_hooks(c.mm); }

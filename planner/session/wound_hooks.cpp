@@ -140,9 +140,16 @@ fem::HookId WoundHooks::attach(
 void WoundHooks::take_off(fem::HookId hook)
 {
     (void)state(hook);
-    opening_.detach(hook);
-    std::erase_if(report_.hooks, [&](const HookState& state) { return state.id == hook; });
-    since_hooks_.erase(hook);
+    std::vector<fem::HookId> gone { hook };
+    if (const Rack* rack = rack_of(hook)) {
+        gone.assign(rack->state.blades.begin(), rack->state.blades.end());
+        std::erase_if(racks_, [&](const Rack& other) { return other.state.blades == rack->state.blades; });
+    }
+    for (const fem::HookId one : gone) {
+        opening_.detach(one);
+        std::erase_if(report_.hooks, [&](const HookState& state) { return state.id == one; });
+        since_hooks_.erase(one);
+    }
     stopped_.clear();
     outdate_near();
 }
@@ -192,8 +199,162 @@ std::string WoundHooks::names_of(std::span<const fem::FacingHooks> meeting) cons
     return names;
 }
 
+WoundHooks::Rack* WoundHooks::rack_of(fem::HookId hook)
+{
+    const auto found = std::find_if(racks_.begin(), racks_.end(), [&](const Rack& rack) {
+        return std::find(rack.state.blades.begin(), rack.state.blades.end(), hook) != rack.state.blades.end();
+    });
+    return found == racks_.end() ? nullptr : &*found;
+}
+
+void WoundHooks::join(std::array<fem::HookId, 2> blades, std::string kind, double greatest_opening_mm)
+{
+    if (!(greatest_opening_mm > 0.0))
+        throw InputError("the greatest opening of a retractor must be positive", kind);
+    Rack rack { .state = { .kind = std::move(kind), .blades = blades, .greatest_opening_mm = greatest_opening_mm } };
+    for (std::size_t i = 0; i < 2; ++i) {
+        if (rack_of(blades[i]) != nullptr)
+            throw InputError("this hook is the blade of a retractor already", state(blades[i]).name);
+        const HookState& blade = state(blades[i]);
+        const Vec3& moved = blade.drive.force_N ? blade.displacement : blade.drive.displacement;
+        const double outward = moved.dot(blade.placement.pull);
+        rack.across[i] = moved - outward * blade.placement.pull;
+        rack.state.opening_mm += outward;
+        rack.balance.start_at(rack.balance.shift_mm() + (i == 0 ? 0.5 : -0.5) * outward);
+    }
+    racks_.push_back(std::move(rack));
+}
+
+std::array<fem::HookDrive, 2> WoundHooks::drives_of(const Rack& rack) const
+{
+    std::array<fem::HookDrive, 2> drives;
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto blade = std::find_if(report_.hooks.begin(), report_.hooks.end(),
+            [&](const HookState& hook) { return hook.id == rack.state.blades[i]; });
+        RETRACTOR_ASSERT(blade != report_.hooks.end());
+        const double shift = (i == 0 ? 1.0 : -1.0) * rack.balance.shift_mm();
+        drives[i] = blade->drive;
+        drives[i].force_N.reset();
+        drives[i].displacement = rack.across[i] + (0.5 * rack.state.opening_mm + shift) * blade->placement.pull;
+    }
+    return drives;
+}
+
+void WoundHooks::open_rack(Rack& rack, double opening_mm)
+{
+    if (!std::isfinite(opening_mm))
+        throw InputError("the opening of a retractor must be finite", rack.state.kind);
+    const double wanted = std::clamp(opening_mm, 0.0, rack.state.greatest_opening_mm);
+    rack.balance.open(std::exchange(rack.state.opening_mm, wanted), wanted);
+    for (const fem::HookId blade : rack.state.blades)
+        if (HookState& held = state(blade); held.drive.force_N)
+            forget_since(); // as in pull()
+}
+
+void WoundHooks::crank(fem::HookId blade, double opening_mm)
+{
+    (void)state(blade);
+    Rack* rack = rack_of(blade);
+    if (rack == nullptr)
+        throw InputError("this hook has no rack", state(blade).name);
+    open_rack(*rack, opening_mm);
+    const auto drives = drives_of(*rack);
+    drive({ { rack->state.blades[0], drives[0] }, { rack->state.blades[1], drives[1] } });
+    for (const fem::HookId one : rack->state.blades)
+        state(one).planned.reset();
+}
+
+/// Forces by which the rack pushes the blades outwards along it.
+std::array<double, 2> WoundHooks::rack_forces(const Rack& rack, const std::map<fem::HookId, Vec3>& forces_N) const
+{
+    std::array<double, 2> along {};
+    for (const HookState& hook : report_.hooks)
+        for (std::size_t i = 0; i < 2; ++i)
+            if (hook.id == rack.state.blades[i])
+                along[i] = forces_N.at(hook.id).dot(hook.placement.pull);
+    return along;
+}
+
+/// Moves each rack one step towards its balance. @return whether one has moved
+bool WoundHooks::step_racks(const std::map<fem::HookId, Vec3>& forces_N)
+{
+    std::map<fem::HookId, fem::HookDrive> moved;
+    for (Rack& rack : racks_) {
+        const auto& [first, second] = rack.state.blades;
+        // A blade that slips, or that lips in its way stop, says nothing of where the rack would go.
+        if (!stopped_.empty() || state(first).yielded || state(second).yielded)
+            continue;
+        const auto along = rack_forces(rack, forces_N);
+        if (!rack.balance.step(along[0], along[1]))
+            continue;
+        const auto drives = drives_of(rack);
+        moved.emplace(first, drives[0]);
+        moved.emplace(second, drives[1]);
+    }
+    if (moved.empty())
+        return false;
+    drive(moved);
+    return true;
+}
+
+/// Whether the linear solution is shown, without a nonlinear one below it. Racks come to rest in what is shown.
+bool WoundHooks::linear_alone() const { return !near_usable() && since_.size() == 0; }
+
+/// Brings the racks to rest in the linear solution. @pre exactly, or columns_
+void WoundHooks::balance_linear(bool exactly)
+{
+    constexpr int kMostSteps = 4; // two are enough where nothing slips
+    for (int i = 0; i < kMostSteps && answered_; ++i) {
+        std::map<fem::HookId, Vec3> forces_N;
+        for (const HookState& hook : report_.hooks)
+            forces_N[hook.id] = linear_hooks_[hook.id].force_N;
+        if (!step_racks(forces_N))
+            return;
+        if (exactly)
+            linear_settled_ = solve();
+        else
+            (void)take(opening_.drag_answer());
+    }
+}
+
+/// Brings the racks to rest in the nonlinear solution, which has settled.
+void WoundHooks::balance_nonlinear(const Job& job)
+{
+    constexpr int kMostSteps = 3; // each settles the nonlinear solution again
+    for (int i = 0; i < kMostSteps && near_usable() && near_.settled() && !job.cancelled(); ++i) {
+        const fem::NearFrame& frame = near_.frame();
+        std::map<fem::HookId, Vec3> forces_N;
+        for (std::size_t h = 0; h < report_.hooks.size(); ++h)
+            forces_N[report_.hooks[h].id] = frame.hook_forces_N[h];
+        if (!step_racks(forces_N))
+            return;
+        linear_settled_ = solve();
+        drag_near();
+        near_.settle(job);
+    }
+}
+
+void WoundHooks::report_racks()
+{
+    report_.retractors.clear();
+    for (Rack& rack : racks_) {
+        std::map<fem::HookId, Vec3> forces_N;
+        for (const HookState& hook : report_.hooks)
+            forces_N[hook.id] = hook.force_N;
+        const auto [first, second] = rack_forces(rack, forces_N);
+        rack.state.force_N = 0.5 * (first + second);
+        const double larger = std::max(std::abs(first), std::abs(second));
+        rack.state.imbalance = larger > 0.0 ? std::abs(first - second) / larger : 0.0;
+        report_.retractors.push_back(rack.state);
+    }
+}
+
 void WoundHooks::pull(fem::HookId hook, const Vec3& asked)
 {
+    if (const Rack* rack = rack_of(hook)) {
+        const double shift = (hook == rack->state.blades[0] ? 1.0 : -1.0) * rack->balance.shift_mm();
+        return crank(hook, 2.0 * (asked.dot(state(hook).placement.pull) - shift));
+    }
     fem::HookDrive drawn = state(hook).drive;
     if (drawn.force_N)
         forget_since(); // the displacement by a force has no relation to the displacement by the hand
@@ -206,7 +367,15 @@ void WoundHooks::pull(fem::HookId hook, const Vec3& asked)
 void WoundHooks::pull_all(double mm)
 {
     std::map<fem::HookId, fem::HookDrive> drawn;
+    for (Rack& rack : racks_) {
+        open_rack(rack, 2.0 * mm);
+        const auto drives = drives_of(rack);
+        for (std::size_t i = 0; i < 2; ++i)
+            drawn.emplace(rack.state.blades[i], drives[i]);
+    }
     for (const HookState& hook : report_.hooks) {
+        if (rack_of(hook.id) != nullptr)
+            continue;
         fem::HookDrive& drive = drawn.emplace(hook.id, hook.drive).first->second;
         if (drive.force_N)
             forget_since();
@@ -223,8 +392,20 @@ void WoundHooks::pull_share(double share)
     if (!std::isfinite(share))
         throw InputError("the share of the planned opening must be finite", "hooks");
     std::map<fem::HookId, fem::HookDrive> driven;
+    for (Rack& rack : racks_) {
+        double planned_mm = 0.0;
+        for (const fem::HookId blade : rack.state.blades)
+            if (const HookState& held = state(blade); held.planned)
+                planned_mm += held.planned->displacement.dot(held.placement.pull);
+        if (!(planned_mm > 0.0))
+            continue; // a retractor that was cranked by hand stays
+        open_rack(rack, share * planned_mm);
+        const auto drives = drives_of(rack);
+        for (std::size_t i = 0; i < 2; ++i)
+            driven.emplace(rack.state.blades[i], drives[i]);
+    }
     for (const HookState& hook : report_.hooks)
-        if (hook.planned)
+        if (hook.planned && rack_of(hook.id) == nullptr)
             driven.emplace(hook.id, fem::between({}, *hook.planned, share));
     drive(driven);
 }
@@ -341,6 +522,8 @@ void WoundHooks::frame()
     }
     if (columns_)
         (void)take(opening_.drag_answer());
+    if (columns_ && linear_alone())
+        balance_linear(false);
     drag_near();
     show();
     report_.frame_ms = 1e3 * watch.seconds();
@@ -358,6 +541,11 @@ void WoundHooks::settle(bool cutting, const Job& job)
         begin_near();
     if (near_usable() && !near_.settled())
         near_.settle(job);
+    if (!cutting) {
+        if (linear_alone())
+            balance_linear(true);
+        balance_nonlinear(job);
+    }
     if (show())
         report_.strain = fem::strain_peak(opening_.stiffness(), displacement_, opening_.held_vertices());
     report_.settled = true;
@@ -395,6 +583,8 @@ std::vector<fem::HookDrive> WoundHooks::drives() const
 /// Called when the mesh or the hooks have changed.
 void WoundHooks::outdate_near()
 {
+    for (Rack& rack : racks_)
+        rack.balance.forget();
     near_.outdate();
     near_begun_ = false;
     columns_ = false;
@@ -460,6 +650,7 @@ bool WoundHooks::show()
         report_.meeting = stopped_.empty() ? met : stopped_;
         report_.lip_overlap_mm = retractor::planner::lip_overlap_mm(lip_pairs_, displacement_);
     }
+    report_racks();
     report_.shown_text = shown_in_words();
     return !as_before_;
 }

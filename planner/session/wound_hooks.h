@@ -15,6 +15,7 @@
 #include "planner/session/hook_placement.h"
 #include "planner/session/lip_overlap.h"
 #include "planner/session/near_wound.h"
+#include "planner/session/rack_balance.h"
 
 #include <array>
 #include <cstddef>
@@ -40,6 +41,17 @@ struct HookState {
     bool yielded = false;
 };
 
+/// A retractor on a wound: a rack that pushes two blades apart. Only the tissue carries it, so that it moves along its
+/// rack until both blades bear the same force. Its blades do not turn, unlike in a plan.
+struct RetractorState {
+    std::string kind; ///< as in the table of instruments
+    std::array<fem::HookId, 2> blades {};
+    double opening_mm = 0.0; ///< of the rack, from where the lips met
+    double greatest_opening_mm = 0.0;
+    double force_N = 0.0; ///< along the rack: mean of the two blades
+    double imbalance = 0.0; ///< difference of the blades' forces along the rack, relative to the larger one
+};
+
 /// Share of its planned force at which a force-driven hook is, 1 = as planned; none without such a hook.
 std::optional<double> share_of_plan(std::span<const HookState> hooks);
 
@@ -52,7 +64,8 @@ enum class ShownAnswer {
 
 /// The numbers of the hooks for display.
 struct HookReport {
-    std::vector<HookState> hooks;
+    std::vector<HookState> hooks; ///< blades of retractors among them
+    std::vector<RetractorState> retractors;
     ShownAnswer shown = ShownAnswer::linear;
     /// The same in words, with the reason against a nonlinear solution, or the distance from the wound within which it
     /// is nonlinear.
@@ -84,11 +97,22 @@ public:
     /// @throws InputError as OnlineOpening::attach()
     fem::HookId attach(HookPlacement placement, std::string name, const fem::HookDrive& drive,
         std::optional<fem::HookDrive> planned = {});
-    void take_off(fem::HookId hook); ///< @throws InputError when the hook does not exist
-    /// Pulls a hook by hand to a displacement, mm from rest. The hook keeps its limit and grip, and forgets its plan.
+    /// Joins two attached hooks by a rack, as a retractor with blades that were placed by find_blade_placements().
+    /// Their present distance is its opening.
+    /// @throws InputError when a hook does not exist or has a rack, or when the greatest opening is not positive
+    void join(std::array<fem::HookId, 2> blades, std::string kind, double greatest_opening_mm);
+    /// Opens a retractor by its crank, at most as far as it goes. Both blades move, and forget their plan.
+    /// @param blade one of its blades
+    /// @throws InputError when the hook does not exist or has no rack, or on NaN
+    void crank(fem::HookId blade, double opening_mm);
+    /// Takes a hook off; of a retractor both blades.
+    /// @throws InputError when the hook does not exist
+    void take_off(fem::HookId hook);
+    /// Pulls a hook by hand to a displacement, mm from rest. The hook keeps its limit and grip, and forgets its plan. A
+    /// blade that is pulled cranks its retractor.
     /// @throws InputError when the hook does not exist, or on NaN
     void pull(fem::HookId hook, const Vec3& asked);
-    void pull_all(double mm); ///< each hook along its own pull direction
+    void pull_all(double mm); ///< each hook along its own pull direction; retractors open by twice as much
     /// Drives all planned hooks to this share of their planned force and displacement. Hooks pulled by hand stay.
     /// @throws InputError on NaN
     void pull_share(double share);
@@ -123,6 +147,20 @@ public:
     std::size_t bytes() const { return opening_.bytes() + near_.bytes(); }
 
 private:
+    struct Rack {
+        RetractorState state;
+        std::array<Vec3, 2> across {}; ///< displacements of the blades across the rack, which stay
+        RackBalance balance {};
+    };
+    Rack* rack_of(fem::HookId hook); ///< null: the hook has none
+    std::array<fem::HookDrive, 2> drives_of(const Rack& rack) const;
+    void open_rack(Rack& rack, double opening_mm);
+    std::array<double, 2> rack_forces(const Rack& rack, const std::map<fem::HookId, Vec3>& forces_N) const;
+    bool step_racks(const std::map<fem::HookId, Vec3>& forces_N);
+    bool linear_alone() const;
+    void balance_linear(bool exactly);
+    void balance_nonlinear(const Job& job);
+    void report_racks();
     HookState& state(fem::HookId hook);
     fem::HookDrive limited(const fem::HookDrive& drive) const;
     void drive(const std::map<fem::HookId, fem::HookDrive>& asked);
@@ -159,6 +197,7 @@ private:
         bool yielded = false;
     };
     std::map<fem::HookId, HookNumbers> linear_hooks_;
+    std::vector<Rack> racks_;
     std::string stopped_; ///< hooks that met when they were last pulled
     std::string linear_meeting_; ///< hooks that block each other in the linear solution
     bool linear_settled_ = true;

@@ -24,11 +24,8 @@ namespace hook_mesh_test {
         return sum;
     }
 
-    TEST(HookMesh, IsClosedOrientedOutwardsAndHasItsPatchAtTheGivenPlace)
+    void expect_closed(const TriMesh& mesh)
     {
-        const HookShape hook { .name = "h", .position = { 5, 6, 7 }, .pull = { 2, 0, 0 }, .outward = { 0, -3, 0 } };
-        const TriMesh mesh = hook_mesh(hook);
-        EXPECT_GT(signed_volume(mesh), 0.0);
         std::map<std::pair<VertexId, VertexId>, int> directed;
         for (const auto& t : mesh.triangles)
             for (std::size_t e = 0; e < 3; ++e)
@@ -37,6 +34,14 @@ namespace hook_mesh_test {
             EXPECT_EQ(count, 1);
             EXPECT_TRUE(directed.contains({ edge.second, edge.first }));
         }
+    }
+
+    TEST(HookMesh, IsClosedOrientedOutwardsAndHasItsPatchAtTheGivenPlace)
+    {
+        const HookShape hook { .name = "h", .position = { 5, 6, 7 }, .pull = { 2, 0, 0 }, .outward = { 0, -3, 0 } };
+        const TriMesh mesh = hook_mesh(hook);
+        EXPECT_GT(signed_volume(mesh), 0.0);
+        expect_closed(mesh);
         // The lip's side of the patch is the plane through the position, and the steel lies on the wound's side of it.
         double nearest = 1e9;
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
@@ -45,6 +50,24 @@ namespace hook_mesh_test {
                 nearest = std::min(nearest, std::abs(mesh.vertices(v, 0) - hook.position.x()));
             }
         EXPECT_NEAR(nearest, 0.0, kRoundOff);
+    }
+
+    TEST(HookMesh, TheRackLiesOverTheSkinBeyondTheBlades)
+    {
+        for (const double half_mm : { 0.0, 25.0 }) { // closed, and open
+            const HookShape right {
+                .position = { half_mm, 0, 0 }, .pull = { 1, 0, 0 }, .width_mm = 48.0, .depth_mm = 65.0
+            };
+            HookShape left = right;
+            left.position.x() = -half_mm;
+            left.pull.x() = -1.0;
+            const TriMesh mesh = rack_mesh(right, left);
+            expect_closed(mesh);
+            // Two arms and the rack, 8 mm thick.
+            const double arm_mm = 48.0 + 35.0, rack_mm = 2.0 * (half_mm + 10.0) + 24.0;
+            EXPECT_NEAR(signed_volume(mesh), 64.0 * (2.0 * arm_mm + rack_mm), 1e-6);
+            EXPECT_LT(mesh.vertices.col(1).maxCoeff(), -0.5 * 65.0) << "outside the body, which is at y > 0";
+        }
     }
 
     TEST(HookMesh, ShapesThatCannotBeAreRefused)

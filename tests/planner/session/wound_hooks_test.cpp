@@ -546,6 +546,111 @@ namespace wound_hooks_test {
         }
     }
 
+    RetractorKind small_retractor()
+    {
+        return { .kind = "small",
+            .meaning = "for tests",
+            .blade_width_mm = 20.0,
+            .blade_depth_mm = 12.0,
+            .greatest_opening_mm = 30.0,
+            .source = "ours" };
+    }
+
+    /// A wound of 60 mm off the middle, so that one lip is stiffer, with a retractor in its middle.
+    SurgerySession wound_with_retractor(double z = 45.0)
+    {
+        SurgerySession live_session(layered_wall());
+        EXPECT_TRUE(draw(live_session, { 30.0, 0.0, z }, { 90.0, 0.0, z }).done);
+        const KnifeAnswer placed = live_session.place_retractor(at(live_session, 60.0, z + 3.0), small_retractor());
+        EXPECT_TRUE(placed.done) << placed.reason;
+        return live_session;
+    }
+
+    TEST(WoundHooks, ARetractorIsCrankedAndLiesWhereItsBladesBearTheSameForce)
+    {
+        SurgerySession live_session = wound_with_retractor();
+        HookReport report = live_session.hooks();
+        ASSERT_EQ(report.retractors.size(), 1U);
+        ASSERT_EQ(report.hooks.size(), 2U);
+        EXPECT_EQ(report.hooks[0].name, "upper blade");
+        EXPECT_EQ(report.hooks[1].name, "lower blade");
+        EXPECT_LT((report.hooks[0].placement.pull + report.hooks[1].placement.pull).norm(), 1e-12);
+        EXPECT_NEAR(report.retractors[0].opening_mm, 0.0, kRoundingMm);
+        live_session.crank(report.hooks[1].id, 12.0);
+        settle(live_session);
+        report = live_session.hooks();
+        const RetractorState& retractor = report.retractors.at(0);
+        EXPECT_EQ(retractor.opening_mm, 12.0);
+        EXPECT_LE(retractor.imbalance, RackBalance::kTolerance);
+        const Vec3 &first = report.hooks[0].displacement, &second = report.hooks[1].displacement;
+        EXPECT_NEAR(first.z() - second.z(), 12.0, 1e-9) << "the rack is rigid";
+        EXPECT_GT(first.z(), -second.z() + 0.1) << "the lip nearer to the held side gives way less";
+        EXPECT_NEAR(report.hooks[0].force_N.z(), retractor.force_N, RackBalance::kTolerance * retractor.force_N);
+        EXPECT_NEAR(report.hooks[1].force_N.z(), -retractor.force_N, RackBalance::kTolerance * retractor.force_N);
+        expect_exact(live_session); // with blades at these places, it is what the plan's solver finds
+        // Twice as far, twice the force: linear tissue.
+        live_session.crank(report.hooks[0].id, 24.0);
+        settle(live_session);
+        EXPECT_NEAR(live_session.hooks().retractors[0].force_N, 2.0 * retractor.force_N,
+            2.0 * RackBalance::kTolerance * retractor.force_N);
+        live_session.crank(report.hooks[0].id, 500.0);
+        EXPECT_EQ(live_session.hooks().retractors[0].opening_mm, 30.0) << "no farther than the instrument goes";
+        EXPECT_THROW(live_session.crank(report.hooks[0].id, std::numeric_limits<double>::quiet_NaN()), InputError);
+    }
+
+    TEST(WoundHooks, ABladeThatIsDraggedCranksAndTakenOffTakesTheOtherWithIt)
+    {
+        SurgerySession live_session = wound_with_retractor();
+        const fem::HookId upper = live_session.hooks().hooks[0].id;
+        live_session.pull_hook(upper, Vec3(3.0, -2.0, 5.0)); // what is not along the rack does nothing
+        HookReport report = live_session.hooks();
+        EXPECT_NEAR(report.retractors[0].opening_mm, 10.0, 1e-9);
+        EXPECT_NEAR(report.hooks[0].displacement.x(), 0.0, 1e-9);
+        live_session.pull_all_hooks(4.0);
+        EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 8.0, 1e-9);
+        EXPECT_TRUE(live_session.place_hook(at(live_session, 40.0, 48.0)).done);
+        live_session.take_off_hook(upper);
+        report = live_session.hooks();
+        EXPECT_TRUE(report.retractors.empty());
+        ASSERT_EQ(report.hooks.size(), 1U);
+        EXPECT_EQ(report.hooks[0].name, "hook 1");
+    }
+
+    TEST(WoundHooks, ARetractorFollowsCutsAndIsInBalanceAfterThem)
+    {
+        SurgerySession live_session = wound_with_retractor();
+        live_session.crank(live_session.hooks().hooks[0].id, 10.0);
+        settle(live_session);
+        const double before_N = live_session.hooks().retractors.at(0).force_N;
+        EXPECT_TRUE(draw(live_session, { 90.0, 0.0, 45.0 }, { 100.0, 0.0, 45.0 }).done);
+        settle(live_session);
+        HookReport report = live_session.hooks();
+        ASSERT_EQ(report.retractors.size(), 1U);
+        EXPECT_EQ(report.retractors[0].opening_mm, 10.0);
+        EXPECT_LT(report.retractors[0].force_N, before_N) << "a longer cut opens more easily";
+        EXPECT_LE(report.retractors[0].imbalance, RackBalance::kTolerance);
+        live_session.set_nonlinear(true);
+        for (int i = 0; i < kPatience && (live_session.moving() || live_session.hooks_unsettled()); ++i) {
+            live_session.relax(40.0);
+            if (live_session.waiting())
+                std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        }
+        report = live_session.hooks();
+        EXPECT_EQ(report.shown, ShownAnswer::nonlinear) << report.shown_text;
+        EXPECT_LE(report.retractors.at(0).imbalance, RackBalance::kTolerance);
+    }
+
+    TEST(WoundHooks, ARetractorNeedsTwoLips)
+    {
+        SurgerySession live_session(layered_wall());
+        EXPECT_FALSE(live_session.place_retractor(at(live_session, 60.0, 48.0), small_retractor()).done);
+        EXPECT_TRUE(draw(live_session, { 30.0, 0.0, 45.0 }, { 90.0, 0.0, 45.0 }).done);
+        const KnifeAnswer far = live_session.place_retractor(at(live_session, 60.0, 100.0), small_retractor());
+        EXPECT_FALSE(far.done);
+        EXPECT_NE(far.reason.find("no wound within"), std::string::npos) << far.reason;
+        EXPECT_TRUE(live_session.hooks().hooks.empty());
+    }
+
     TEST(WoundHooks, WhatGivesNoHoldIsRefusedInWords)
     {
         SurgerySession live_session(layered_wall());

@@ -112,6 +112,25 @@ namespace {
 
     QString newtons(double force_N) { return QString("%1 N").arg(force_N, 0, 'f', force_N < 10.0 ? 2 : 1); }
 
+    /// "Finochietto", from "finochietto".
+    QString retractor_name(const std::string& kind)
+    {
+        QString name = QString::fromStdString(kind);
+        if (name == "midcab")
+            return "MIDCAB";
+        return name.left(1).toUpper() + name.mid(1);
+    }
+
+    /// "Finochietto open 45 of 200 mm, 120 N on each blade".
+    QString retractor_text(const planner::RetractorState& retractor)
+    {
+        return QString("%1 open %2 of %3 mm, %4 on each blade\n")
+            .arg(retractor_name(retractor.kind))
+            .arg(retractor.opening_mm, 0, 'f', 0)
+            .arg(retractor.greatest_opening_mm, 0, 'f', 0)
+            .arg(newtons(retractor.force_N));
+    }
+
     /// Text of a hook: "left 1   12.3 of 15.0 mm, 60.0 N: yields".
     QString hook_text(const planner::HookState& hook)
     {
@@ -333,7 +352,18 @@ QWidget* KnifePanel::make_hooks()
         else
             give(planner::surgery::PullAllHooks { static_cast<double>(value) });
     });
-    form->addRow("Hooks", open);
+    instrument_ = unfocused(new QComboBox,
+        "What the Hooks tool (H) sets where you press on the edge of a wound. A retractor has a second blade on the "
+        "other "
+        "lip; drag a blade, or turn the wheel over it, to crank it open");
+    instrument_->addItem("a hook");
+    for (const planner::RetractorKind& kind : planner::built_in_retractors())
+        instrument_->addItem(
+            retractor_name(kind.kind) + ": " + QString::fromStdString(kind.meaning), QString::fromStdString(kind.kind));
+    instrument_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+    instrument_->setMinimumContentsLength(12);
+    form->addRow("Set", instrument_);
+    form->addRow("Opening", open);
     yield_ = new QDoubleSpinBox;
     yield_->setRange(0.0, kStrongestN);
     yield_->setDecimals(1);
@@ -356,14 +386,15 @@ QWidget* KnifePanel::make_hooks()
     };
     planned_ = add("As planned", "Set the hooks of the approach and open them as planned",
         [this] { give(planner::surgery::TakePlannedHooks {}); });
-    hook_off_ = add("Take off", "Remove the hook that is selected in the list", [this] { take_off_chosen_hook(); });
+    hook_off_ = add("Take off", "Remove the hook, or the retractor, that is selected in the list",
+        [this] { take_off_chosen_hook(); });
     hooks_off_ = add("All off", "Remove all hooks. The wound closes, or gapes from the tension of the tissue",
         [this] { give(planner::surgery::TakeOffHooks {}); });
     column->addLayout(buttons);
     hooks_ = new QListWidget;
     hooks_->setMaximumHeight(kHookListPx);
     hooks_->setToolTip(
-        "Select the hook tool with H. Press on the edge of a wound to set a hook; drag a hook to pull it");
+        "Select the hook tool with H. Press on the edge of a wound to set a hook or a retractor; drag it to pull");
     column->addWidget(hooks_);
     numbers_ = plain_label(kFaint);
     refusal_ = plain_label("color: #ff8a80;");
@@ -464,29 +495,39 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
     numbers_->setVisible(count > 0);
     if (count == 0)
         return;
+    QString retractors;
+    for (const planner::RetractorState& retractor : report.retractors)
+        retractors += retractor_text(retractor);
     const Vec3& at = report.strain.where;
-    numbers_->setText(QString("%1 on one side, %2 on the other\n"
-                              "%3\n"
-                              "%6\n"
-                              "%4computed in %5 ms")
-                          .arg(newtons(report.side_N[0]))
-                          .arg(newtons(report.side_N[1]))
-                          .arg(report.settled ? QString("strain %1 % (99th percentile) at (%2, %3, %4) mm")
-                                                    .arg(100.0 * report.strain.p99, 0, 'f', 0)
-                                                    .arg(at.x(), 0, 'f', 0)
-                                                    .arg(at.y(), 0, 'f', 0)
-                                                    .arg(at.z(), 0, 'f', 0)
-                                              : QString("The strain follows when the mouse rests"))
-                          .arg(report.shown == planner::ShownAnswer::linear_since
-                                  ? QString() // the sum of two solutions
-                                  : QString("residual %1, ").arg(report.residual, 0, 'e', 0))
-                          .arg(report.frame_ms, 0, 'f', 0)
-                          .arg(QString::fromStdString(report.shown_text)));
+    numbers_->setText(retractors
+        + QString("%1 on one side, %2 on the other\n"
+                  "%3\n"
+                  "%6\n"
+                  "%4computed in %5 ms")
+              .arg(newtons(report.side_N[0]))
+              .arg(newtons(report.side_N[1]))
+              .arg(report.settled ? QString("strain %1 % (99th percentile) at (%2, %3, %4) mm")
+                                        .arg(100.0 * report.strain.p99, 0, 'f', 0)
+                                        .arg(at.x(), 0, 'f', 0)
+                                        .arg(at.y(), 0, 'f', 0)
+                                        .arg(at.z(), 0, 'f', 0)
+                                  : QString("The strain follows when the mouse rests"))
+              .arg(report.shown == planner::ShownAnswer::linear_since
+                      ? QString() // the sum of two solutions
+                      : QString("residual %1, ").arg(report.residual, 0, 'e', 0))
+              .arg(report.frame_ms, 0, 'f', 0)
+              .arg(QString::fromStdString(report.shown_text)));
 }
 
 planner::KnifeSettings KnifePanel::settings() const
 {
     return { .depth_mm = depth_->value(), .through_wall = through_->isChecked(), .cuts_bone = bone_->isChecked() };
+}
+
+std::optional<planner::RetractorKind> KnifePanel::instrument() const
+{
+    const std::string kind = instrument_->currentData().toString().toStdString();
+    return kind.empty() ? std::nullopt : std::optional(planner::find_retractor(planner::built_in_retractors(), kind));
 }
 
 double KnifePanel::removal_radius_mm() const { return removal_->currentData().toDouble(); }

@@ -8,6 +8,7 @@
 #include <QWidget>
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 class QCheckBox;
@@ -28,6 +29,8 @@ public:
 
     planner::KnifeSettings settings() const;
     double removal_radius_mm() const; ///< radius of the tissue that Remove deletes; 0: a loose piece
+    /// What the hook tool sets on a wound: an instrument of the table; nothing: a hook.
+    std::optional<planner::RetractorKind> instrument() const;
     double tension() const; ///< chosen tension, as a strain
     void set_tension(double strain); ///< chooses one of the offered tensions
     /// Adds the tension of the case, with which its plans are made, to the choices. The panel then uses this tension,
@@ -49,6 +52,7 @@ public:
     QDoubleSpinBox& depth() { return *depth_; }
     QComboBox& removal() { return *removal_; }
     QListWidget& list() { return *cuts_; }
+    QComboBox& instruments() { return *instrument_; }
     QSlider& opening() { return *opening_; }
     QDoubleSpinBox& yield() { return *yield_; }
     QCheckBox& nonlinear_box() { return *nonlinear_; }
@@ -77,7 +81,7 @@ private:
     QString opening_text(int value) const;
     QDoubleSpinBox* depth_ = nullptr;
     QCheckBox *through_ = nullptr, *bone_ = nullptr, *nonlinear_ = nullptr;
-    QComboBox *tension_ = nullptr, *removal_ = nullptr;
+    QComboBox *tension_ = nullptr, *removal_ = nullptr, *instrument_ = nullptr;
     int case_tension_item_ = -1; ///< index of the case's tension in tension_; -1: none
     bool tension_by_hand_ = false; ///< the user chose a tension, so the case's tension does not replace it
     QListWidget* cuts_ = nullptr;

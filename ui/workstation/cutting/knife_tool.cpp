@@ -25,27 +25,52 @@ namespace {
     /// Skin cut through: the dermis is paler than muscle and redder than skin.
     constexpr Color kCutSkin { 0.80, 0.36, 0.33 };
 
-    /// The present place of the hook's patch.
+    /// The present place of the hook's patch: it moves as the tissue that it holds. A blade may reach deeper than that.
     Vec3 shown_centre(const planner::HookState& hook, const planner::WallPicture& picture)
     {
         Vec3 sum = Vec3::Zero();
         int count = 0;
         for (const VertexId v : hook.placement.nodes)
-            if (v < picture.shown.rows()) {
-                sum += picture.shown.row(v).transpose();
+            if (v < picture.shown.rows() && v < picture.surface->rest.rows()) {
+                sum += (picture.shown.row(v) - picture.surface->rest.row(v)).transpose();
                 ++count;
             }
-        return count > 0 ? Vec3(sum / count) : hook.placement.centre;
+        return count > 0 ? Vec3(hook.placement.centre + sum / count) : hook.placement.centre;
     }
 
-    TriMesh steel_of(const planner::HookState& hook, const planner::WallPicture& picture)
+    planner::HookShape shape_of(const planner::HookState& hook, const planner::WallPicture& picture, double shaft_mm)
     {
-        return planner::hook_mesh({ .name = hook.name,
+        return { .name = hook.name,
             .position = shown_centre(hook, picture),
             .pull = hook.placement.pull,
             .outward = -hook.placement.inward,
             .width_mm = hook.placement.width_mm,
-            .depth_mm = hook.placement.height_mm });
+            .depth_mm = hook.placement.height_mm,
+            .shaft_mm = shaft_mm };
+    }
+
+    constexpr double kShaftMm = 60.0; ///< of a hook in a hand
+    constexpr double kBladeShaftMm = 10.0; ///< up to the arm of a retractor
+
+    bool is_blade(const planner::HookReport& report, fem::HookId id)
+    {
+        return std::any_of(
+            report.retractors.begin(), report.retractors.end(), [&](const planner::RetractorState& retractor) {
+                return std::find(retractor.blades.begin(), retractor.blades.end(), id) != retractor.blades.end();
+            });
+    }
+
+    TriMesh steel_of(const planner::HookState& hook, const planner::SurgerySnapshot& snapshot)
+    {
+        return planner::hook_mesh(
+            shape_of(hook, *snapshot.picture, is_blade(snapshot.hooks, hook.id) ? kBladeShaftMm : kShaftMm));
+    }
+
+    const planner::HookState* hook_of(const planner::HookReport& report, fem::HookId id)
+    {
+        const auto found = std::find_if(
+            report.hooks.begin(), report.hooks.end(), [&](const planner::HookState& hook) { return hook.id == id; });
+        return found == report.hooks.end() ? nullptr : &*found;
     }
 
     void append(TriMesh& all, const TriMesh& mesh)
@@ -366,7 +391,15 @@ void KnifeTool::show_steel()
     const planner::SurgerySnapshot& snapshot = *shown()->snapshot;
     TriMesh steel;
     for (const planner::HookState& hook : snapshot.hooks.hooks)
-        append(steel, steel_of(hook, *snapshot.picture));
+        append(steel, steel_of(hook, snapshot));
+    for (const planner::RetractorState& retractor : snapshot.hooks.retractors) {
+        const auto* first = hook_of(snapshot.hooks, retractor.blades[0]);
+        const auto* second = hook_of(snapshot.hooks, retractor.blades[1]);
+        if (first != nullptr && second != nullptr)
+            append(steel,
+                planner::rack_mesh(shape_of(*first, *snapshot.picture, kBladeShaftMm),
+                    shape_of(*second, *snapshot.picture, kBladeShaftMm)));
+    }
     drawn_.wall.set_steel(steel);
 }
 
@@ -422,7 +455,7 @@ const planner::HookState* KnifeTool::hook_under(
     const planner::HookState* nearest = nullptr;
     double least = touched ? touched->distance : std::numeric_limits<double>::infinity();
     for (const planner::HookState& hook : snapshot.hooks.hooks)
-        if (const auto hit = planner::first_hit(steel_of(hook, *snapshot.picture), ray); hit && *hit < least) {
+        if (const auto hit = planner::first_hit(steel_of(hook, snapshot), ray); hit && *hit < least) {
             least = *hit;
             nearest = &hook;
         }
@@ -454,6 +487,8 @@ void KnifeTool::take_hook(const QPointF& at)
     if (const planner::HookState* hook = hook_under(ray, touched))
         grip_ = Grip { hook->id, shown_centre(*hook, *shown()->snapshot->picture),
             hook->drive.force_N ? hook->displacement : hook->drive.displacement, Vec3::Zero() };
+    else if (touched && panel_.instrument())
+        return run(planner::surgery::PlaceRetractor { *touched, *panel_.instrument() });
     else if (touched)
         return run(planner::surgery::PlaceHook { *touched });
     else
@@ -501,8 +536,35 @@ void KnifeTool::press(const QPointF& at)
     line_ = { touched->shown };
 }
 
+bool KnifeTool::wheel(double notches)
+{
+    constexpr double kMmPerNotch = 2.0; // about a tooth of a rack
+    constexpr qint64 kSameTurnMs = 1000;
+    if (mode_ != KnifeMode::hooks || !wall_is_shown())
+        return false;
+    const planner::HookReport& report = snapshot()->hooks;
+    const planner::HookState* under = hook_under(view_.ray_at(hover_), feel_wall(hover_));
+    if (under == nullptr)
+        return false;
+    for (const planner::RetractorState& retractor : report.retractors)
+        if (std::find(retractor.blades.begin(), retractor.blades.end(), under->id) != retractor.blades.end()) {
+            // Notches that follow each other go on from the last one: the wound that is shown may be older.
+            const bool goes_on = cranked_.blade == retractor.blades[0] && cranked_.since.isValid()
+                && cranked_.since.elapsed() < kSameTurnMs;
+            cranked_.blade = retractor.blades[0];
+            cranked_.opening_mm
+                = std::clamp((goes_on ? cranked_.opening_mm : retractor.opening_mm) + kMmPerNotch * notches, 0.0,
+                    retractor.greatest_opening_mm);
+            cranked_.since.start();
+            run(planner::surgery::Crank { cranked_.blade, cranked_.opening_mm });
+            return true;
+        }
+    return false;
+}
+
 void KnifeTool::move(const QPointF& at, bool held)
 {
+    hover_ = at;
     if (mode_ == KnifeMode::line && first_) {
         // Draws a straight line over the skin to the mouse.
         line_.clear();

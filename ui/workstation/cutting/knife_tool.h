@@ -10,6 +10,7 @@
 #include "ui/workstation/planning/planning_backend.h"
 #include "ui/workstation/view/picture_view.h"
 
+#include <QElapsedTimer>
 #include <QObject>
 #include <QTimer>
 
@@ -82,6 +83,7 @@ private:
     void press(const QPointF& at) override;
     void move(const QPointF& at, bool held) override;
     void release(const QPointF& at) override;
+    bool wheel(double notches) override;
 
     void say(const std::string& text, bool refused) const;
     Session* shown();
@@ -124,6 +126,7 @@ private:
     bool drawing_ = false; ///< a stroke is open, and its button is down
     std::size_t stroke_ = 0; ///< number of the last stroke
     QPointF last_; ///< last position of the mouse
+    QPointF hover_; ///< where the mouse was last, with or without a button
     std::optional<QPointF> first_; ///< line mode: the first click
     struct Grip {
         fem::HookId hook = 0;
@@ -132,6 +135,12 @@ private:
         Vec3 from = Vec3::Zero(); ///< place where the mouse took the hook
     };
     std::optional<Grip> grip_; ///< the hook that is being dragged
+    struct Cranked {
+        fem::HookId blade = 0;
+        double opening_mm = 0.0;
+        QElapsedTimer since {}; ///< the last notch
+    };
+    Cranked cranked_; ///< the retractor that the wheel opens
     std::vector<Vec3> line_; ///< shown points of the present stroke, mm
     std::size_t answers_ = 0;
     QTimer age_timer_; ///< what is seen grows older

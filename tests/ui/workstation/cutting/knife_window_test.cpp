@@ -25,6 +25,7 @@
 #include <QPushButton>
 #include <QTest>
 #include <QToolButton>
+#include <QWheelEvent>
 
 #include <algorithm>
 #include <cmath>
@@ -271,6 +272,55 @@ namespace knife_window_test {
         press(Qt::Key_Z, Qt::ControlModifier);
         wait_until_idle();
         EXPECT_EQ(window_->view().picture(), whole);
+    }
+
+    TEST_F(KnifeWindowTest, ARetractorIsSetWithAClickAndCrankedByDragAndWheel)
+    {
+        take_knife();
+        window_->knife_panel().set_tension(0.0);
+        draw(-30.0, 0.0, 30.0, 0.0);
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        press(Qt::Key_H);
+        QComboBox& instruments = window_->knife_panel().instruments();
+        instruments.setCurrentIndex(instruments.findData(QString("midcab")));
+        mouse_down(pixel(0.0, 3.0));
+        mouse_up(pixel(0.0, 3.0));
+        wait_until_idle();
+        ASSERT_EQ(snapshot().hooks.retractors.size(), 1U) << error();
+        ASSERT_EQ(snapshot().hooks.hooks.size(), 2U);
+        EXPECT_EQ(snapshot().hooks.hooks[0].name, "upper blade");
+        // A blade is dragged up by 6 mm: the other goes down by about as much.
+        mouse_down(pixel(0.0, 1.0));
+        for (int i = 1; i <= 6; ++i)
+            mouse_to(pixel(0.0, 1.0 + i));
+        mouse_up(pixel(0.0, 7.0));
+        wait_until_idle();
+        const planner::RetractorState dragged = snapshot().hooks.retractors.at(0);
+        EXPECT_NEAR(dragged.opening_mm, 12.0, 2.0 * kDrawnToleranceMm);
+        EXPECT_LE(dragged.imbalance, planner::RackBalance::kTolerance);
+        EXPECT_NEAR(snapshot().gape_mm, dragged.opening_mm, 2.0);
+        // Three notches of the wheel over the blade, before the first is answered: 2 mm each.
+        const QPoint over = pixel(0.0, 7.0);
+        mouse_to(over, Qt::NoButton);
+        for (int i = 0; i < 3; ++i) {
+            QWheelEvent notch(over, over, {}, { 0, 120 }, Qt::NoButton, Qt::NoModifier, Qt::NoScrollPhase, false);
+            QApplication::sendEvent(&window_->view(), &notch);
+        }
+        wait_until_idle();
+        EXPECT_NEAR(snapshot().hooks.retractors.at(0).opening_mm, dragged.opening_mm + 6.0, 1e-9);
+        EXPECT_GT(snapshot().hooks.retractors.at(0).force_N, dragged.force_N);
+        EXPECT_TRUE(window_->knife_panel().hook_numbers().contains("MIDCAB open 1"))
+            << window_->knife_panel().hook_numbers().toStdString();
+        window_->save_screenshot(picture_folder() / "workstation_retractor.png");
+        window_->knife_panel().hook_list().setCurrentRow(1);
+        const auto buttons = window_->knife_panel().findChildren<QPushButton*>();
+        const auto off = std::find_if(
+            buttons.begin(), buttons.end(), [](const QPushButton* button) { return button->text() == "Take off"; });
+        ASSERT_NE(off, buttons.end());
+        (*off)->click();
+        wait_until_idle();
+        EXPECT_TRUE(snapshot().hooks.hooks.empty()) << "both blades";
+        EXPECT_EQ(error(), "");
     }
 
     TEST_F(KnifeWindowTest, HooksAreSetAndDrawnByHandAndTheWoundFollowsFurtherCuts)

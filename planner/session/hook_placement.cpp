@@ -89,8 +89,10 @@ namespace {
         std::set<VertexId> edge, meeting;
     };
 
+    /// @param outward out of the body. Where a cut goes through the wall, its inner edges do not count: nobody sets an
+    /// instrument there.
     std::optional<WoundEdges> edges_of(
-        const WallSurface& surface, std::span<const LipTriangle> lips, std::string& why_not)
+        const WallSurface& surface, std::span<const LipTriangle> lips, const Vec3& outward, std::string& why_not)
     {
         if (lips.empty()) {
             why_not = "there is no wound to open: cut first";
@@ -99,6 +101,18 @@ namespace {
         WoundEdges edges { .rims = wound_rims(surface), .edge = {}, .meeting = meeting_vertices(lips) };
         for (const auto& rim : edges.rims)
             edges.edge.insert(rim.begin(), rim.end());
+        std::map<VertexId, double> outside; // how far the faces around an edge, but for lips, look out of the body
+        for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+            if (surface.is_lip[t] == 0) {
+                const auto& triangle = surface.triangles[t];
+                const Vec3 a = place(surface, triangle[0]);
+                const double out
+                    = (place(surface, triangle[1]) - a).cross(place(surface, triangle[2]) - a).dot(outward);
+                for (const VertexId v : triangle)
+                    if (edges.edge.contains(v))
+                        outside[v] += out;
+            }
+        std::erase_if(edges.edge, [&](VertexId v) { return outside[v] < 0.0; });
         return edges;
     }
 
@@ -220,6 +234,12 @@ namespace {
         return false;
     }
 
+    /// The mean direction into the body near a place; on the inner side of the wall, against `outward`.
+    Vec3 into_body(const Touch& at, const Vec3& outward)
+    {
+        return at.inward.dot(outward) > 0.0 ? Vec3(-outward) : at.inward;
+    }
+
     Vec3 mean_direction(const Approach& approach)
     {
         Vec3 sum = Vec3::Zero();
@@ -245,25 +265,26 @@ std::vector<LipTriangle> lip_triangles(const mesh::CutSession& session)
 }
 
 HookPlacement find_hook_placement(const WallSurface& surface, std::span<const LipTriangle> lips,
-    std::span<const char> held, const Touch& at, std::string& why_not)
+    std::span<const char> held, const Vec3& outward, const Touch& at, std::string& why_not)
 {
     HookPlacement placement;
-    if (const auto edges = edges_of(surface, lips, why_not)) {
+    if (const auto edges = edges_of(surface, lips, outward, why_not)) {
         const auto grip = grip_near(surface, lips, *edges, at, why_not);
-        if (grip && turn_to_lip(surface, lips, *edges, *grip, at.inward, placement, why_not))
+        if (grip && turn_to_lip(surface, lips, *edges, *grip, into_body(at, outward), placement, why_not))
             take_nodes(surface, lips, *edges, held, grip->vertex, placement, why_not);
     }
     return placement;
 }
 
 std::array<HookPlacement, 2> find_blade_placements(const WallSurface& surface, std::span<const LipTriangle> lips,
-    std::span<const char> held, const Touch& at, double width_mm, double depth_mm, std::string& why_not)
+    std::span<const char> held, const Vec3& outward, const Touch& at, double width_mm, double depth_mm,
+    std::string& why_not)
 {
     HookPlacement blade;
     blade.width_mm = width_mm;
     blade.height_mm = depth_mm;
     std::array<HookPlacement, 2> blades { blade, blade };
-    const auto edges = edges_of(surface, lips, why_not);
+    const auto edges = edges_of(surface, lips, outward, why_not);
     if (!edges)
         return blades;
     const auto first = grip_near(surface, lips, *edges, at, why_not);
@@ -274,11 +295,11 @@ std::array<HookPlacement, 2> find_blade_placements(const WallSurface& surface, s
         return blades;
     const std::array grips { *first, *second };
     for (std::size_t i = 0; i < 2; ++i)
-        if (!turn_to_lip(surface, lips, *edges, grips[i], at.inward, blades[i], why_not))
+        if (!turn_to_lip(surface, lips, *edges, grips[i], into_body(at, outward), blades[i], why_not))
             return blades;
     const Vec3 rack = (blades[0].pull - blades[1].pull).normalized(); // the lips of a bent wound are not quite parallel
     for (std::size_t i = 0; i < 2; ++i) {
-        turn_to_pull(blades[i], i == 0 ? rack : Vec3(-rack), at.inward);
+        turn_to_pull(blades[i], i == 0 ? rack : Vec3(-rack), into_body(at, outward));
         if (!take_nodes(surface, lips, *edges, held, grips[i].vertex, blades[i], why_not)) {
             blades[0].nodes.clear();
             return blades;

@@ -35,17 +35,19 @@ struct HookPlacement {
 
 /// Finds the patch for a hook near a touched place.
 /// @param held per vertex: 1 = does not move, so that no hook can hold the vertex
+/// @param outward out of the body; edges on the inner side of the wall do not count
 /// @param why_not receives the reason when no lip is near; the result then has no nodes
 HookPlacement find_hook_placement(const WallSurface& surface, std::span<const LipTriangle> lips,
-    std::span<const char> held, const Touch& at, std::string& why_not);
+    std::span<const char> held, const Vec3& outward, const Touch& at, std::string& why_not);
 
 /// Finds the patches of a retractor's two blades: one near a touched place, one on the lip opposite. Both pull along
 /// one line, the rack's.
 /// @param width_mm along the wound
 /// @param depth_mm into the wound; a blade deeper than the wound holds the whole lip
-/// @param held, why_not as find_hook_placement(); where a blade finds no lip, neither has nodes
+/// @param held, outward, why_not as find_hook_placement(); where a blade finds no lip, neither has nodes
 std::array<HookPlacement, 2> find_blade_placements(const WallSurface& surface, std::span<const LipTriangle> lips,
-    std::span<const char> held, const Touch& at, double width_mm, double depth_mm, std::string& why_not);
+    std::span<const char> held, const Vec3& outward, const Touch& at, double width_mm, double depth_mm,
+    std::string& why_not);
 
 /// The planned hooks that find a lip in a wound that was drawn by hand.
 struct PlannedPlacements {

@@ -770,7 +770,8 @@ KnifeAnswer SurgerySession::place_hook(const Touch& at)
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
     std::string why_not;
-    HookPlacement placement = find_hook_placement(*picture()->surface, lip_triangles(session_), held_, at, why_not);
+    HookPlacement placement
+        = find_hook_placement(*picture()->surface, lip_triangles(session_), held_, outward_, at, why_not);
     if (placement.nodes.empty())
         return { false, why_not };
     const std::string name = "hook " + std::to_string(hooks_placed_ + 1);
@@ -813,8 +814,8 @@ KnifeAnswer SurgerySession::place_retractor(const Touch& at, const RetractorKind
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
     std::string why_not;
-    std::array<HookPlacement, 2> blades = find_blade_placements(
-        *picture()->surface, lip_triangles(session_), held_, at, kind.blade_width_mm, kind.blade_depth_mm, why_not);
+    std::array<HookPlacement, 2> blades = find_blade_placements(*picture()->surface, lip_triangles(session_), held_,
+        outward_, at, kind.blade_width_mm, kind.blade_depth_mm, why_not);
     if (blades[0].nodes.empty())
         return { false, why_not };
     const std::size_t there = hooks().retractors.size();

@@ -640,6 +640,22 @@ namespace wound_hooks_test {
         EXPECT_LE(report.retractors.at(0).imbalance, RackBalance::kTolerance);
     }
 
+    TEST(WoundHooks, OfACutThroughTheWallOnlyTheOuterEdgesHoldARetractor)
+    {
+        SurgerySession live_session(layered_wall());
+        EXPECT_TRUE(draw(live_session, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 2.0 * kSlabThicknessMm).done);
+        const auto from_inside
+            = touch(*live_session.picture(), { { 60.0, 2.0 * kSlabThicknessMm, 63.0 }, -Vec3::UnitY() });
+        ASSERT_TRUE(from_inside.has_value());
+        ASSERT_NEAR(from_inside->rest.y(), kSlabThicknessMm, 1e-9);
+        EXPECT_FALSE(live_session.place_retractor(*from_inside, small_retractor()).done) << "20 mm around the edge";
+        ASSERT_TRUE(live_session.place_retractor(at(live_session, 60.0, 63.0), small_retractor()).done);
+        for (const HookState& blade : live_session.hooks().hooks) {
+            EXPECT_GT(blade.placement.inward.y(), 0.99);
+            EXPECT_LT(blade.placement.centre.y(), 0.5 * kSlabThicknessMm);
+        }
+    }
+
     TEST(WoundHooks, ARetractorNeedsTwoLips)
     {
         SurgerySession live_session(layered_wall());

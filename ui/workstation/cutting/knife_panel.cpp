@@ -135,8 +135,9 @@ namespace {
     QString hook_text(const planner::HookState& hook)
     {
         const fem::HookDrive& drive = hook.drive;
-        QString text
-            = QString("%1   %2").arg(QString::fromStdString(hook.name)).arg(hook.displacement.norm(), 0, 'f', 1);
+        QString text = QString("%1   %2")
+                           .arg(QString::fromStdString(hook.name).replace('_', ' '))
+                           .arg(hook.displacement.norm(), 0, 'f', 1);
         if (!drive.force_N && (hook.yielded || std::isfinite(drive.grip_N_per_mm)))
             text += QString(" of %1").arg(drive.displacement.norm(), 0, 'f', 1);
         text += " mm, " + newtons(hook.force_N.norm());

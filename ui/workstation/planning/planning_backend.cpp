@@ -7,6 +7,7 @@
 #include "planner/approach/bearing_points.h"
 #include "planner/approach/blade_change.h"
 #include "planner/approach/divided_bones.h"
+#include "planner/approach/retractors.h"
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
 #include "planner/measures/comparison.h"
@@ -132,6 +133,11 @@ namespace {
         SurgeryInput input;
         planner::SurgerySetup& setup = input.setup;
         setup.approach = approach;
+        if (approach.retractor) {
+            setup.approach.hooks = planner::blades_of(approach);
+            for (planner::HookSpec& blade : setup.approach.hooks)
+                blade.pull.force_N = approach.retractor->force_N;
+        }
         planner::find_bearing_points(setup.approach, *labels);
         planner::insert_bearing_points(model.wall, planned_case.label_table, setup.approach);
         fem::Supports supports = planner::supports_of(model.wall, *labels, planned_case, sizing);

@@ -650,6 +650,9 @@ bool WoundHooks::show()
         report_.meeting = stopped_.empty() ? met : stopped_;
         report_.lip_overlap_mm = retractor::planner::lip_overlap_mm(lip_pairs_, displacement_);
     }
+    constexpr double kRough = 0.2;
+    report_.rough_forces = report_.shown == ShownAnswer::nonlinear && near_usable() && near_.far_change()
+        && !(*near_.far_change() <= kRough);
     report_racks();
     report_.shown_text = shown_in_words();
     return !as_before_;

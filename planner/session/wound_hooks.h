@@ -75,6 +75,8 @@ struct HookReport {
     /// Relative residual; nonlinear: relative to the largest force; linear: of the whole field; linear_since: without
     /// meaning, because the sum is no equilibrium.
     double residual = 0.0;
+    /// The tissue beyond the nonlinear region is off so much that the forces are no more than a hint.
+    bool rough_forces = false;
     bool settled = true; ///< the strain, and the residual if any, belong to the shown solution
     double frame_ms = 0.0; ///< time of the last frame (a drag or a followed cut)
     int factors_swapped = 0; ///< number of factors that were made in the background

@@ -30,7 +30,8 @@ namespace {
     constexpr int kWidestMm = 40; ///< on each side
     constexpr double kStrongestN = 500.0; ///< the strongest retraction published is 349 N on one side
     constexpr double kTearingStrain = 1.0; ///< stretch to twice the length, which no tissue of a wall bears
-    constexpr int kHookListPx = 110;
+    constexpr int kHookListPx = 110; ///< at most
+    constexpr int kCutListPx = 72; ///< at least
     constexpr double kFlatDeg = 5.0; ///< smallest angle that a cut guarantees, where the geometry allows it
     /// Published skin tension is 2 to 6 %.
     constexpr std::array kTensionsPercent { 0, 2, 4, 6 };
@@ -102,10 +103,19 @@ namespace {
             .arg(report.lip_overlap_mm, 0, 'f', 1);
     }
 
+    /// A remark when only the tissue near the wound is computed well; otherwise empty.
+    QString rough_remark(const planner::HookReport& report)
+    {
+        return report.hooks.empty() || !report.rough_forces
+            ? QString()
+            : QString("⚠ These forces are rough: much tissue moves beyond what is computed exactly here. Plan the "
+                      "approach for better ones.");
+    }
+
     QString remarks(const planner::HookReport& report)
     {
-        QStringList said { meeting_remark(report), overlap_remark(report), force_remark(report),
-            strain_remark(report) };
+        QStringList said { meeting_remark(report), overlap_remark(report), force_remark(report), strain_remark(report),
+            rough_remark(report) };
         said.removeAll({});
         return said.join('\n');
     }
@@ -124,7 +134,7 @@ namespace {
     /// "Finochietto open 45 of 200 mm, 120 N on each blade".
     QString retractor_text(const planner::RetractorState& retractor)
     {
-        return QString("%1 open %2 of %3 mm, %4 on each blade\n")
+        return QString("%1 open %2 of %3 mm, %4 on each blade")
             .arg(retractor_name(retractor.kind))
             .arg(retractor.opening_mm, 0, 'f', 0)
             .arg(retractor.greatest_opening_mm, 0, 'f', 0)
@@ -161,32 +171,41 @@ namespace {
             .arg(cut.several_tissues ? ", mostly" : " of", QString::fromStdString(cut.taken_out));
     }
 
+    /// What the list says of a cut: "Cut 1   204 mm long, 41 mm deep".
     QString entry_text(const planner::CutEntry& cut)
     {
         const mesh::CutReport& r = cut.report;
-        if (cut.restored && !cut.taken_out.empty())
-            return QString("Taken out %1   restored\n").arg(cut.number) + taken_out_text(cut);
-        if (cut.restored)
-            return QString("Cut %1   restored").arg(cut.number)
-                + (r.lip_area_mm2 > 0.0 ? QString("\n%1 cm² of wound").arg(r.lip_area_mm2 / 100.0, 0, 'f', 1)
-                                        : QString());
+        const QString wound
+            = r.lip_area_mm2 > 0.0 ? QString("\n%1 cm² of wound").arg(r.lip_area_mm2 / 100.0, 0, 'f', 1) : QString();
         if (!cut.taken_out.empty())
-            return QString("Taken out %1   ").arg(cut.number) + taken_out_text(cut)
-                + QString("\n%1 elements removed, %2 cm² of new surface, %3 ms")
-                      .arg(r.tets_removed)
-                      .arg(r.lip_area_mm2 / 100.0, 0, 'f', 1)
-                      .arg(1e3 * r.seconds, 0, 'f', 1)
+            return QString("Taken out %1   ").arg(cut.number) + (cut.restored ? "restored\n" : "") + taken_out_text(cut)
                 + omitted_text(cut);
-        const QString text = QString("Cut %1   %2 mm long, %3 mm deep\n"
-                                     "%4 elements cut, %5 more for each, smallest angle %6°, %7 ms")
-                                 .arg(cut.number)
-                                 .arg(cut.length_mm, 0, 'f', 0)
-                                 .arg(cut.depth_mm, 0, 'f', 0)
-                                 .arg(r.tets_crossed)
-                                 .arg(r.mean_increase(), 0, 'f', 1)
-                                 .arg(r.worst_dihedral_deg, 0, 'f', r.worst_dihedral_deg < kFlatDeg ? 1 : 0)
-                                 .arg(1e3 * r.seconds, 0, 'f', 1);
-        return text + omitted_text(cut) + angle_remark(r);
+        if (cut.restored)
+            return QString("Cut %1   restored").arg(cut.number) + wound;
+        return QString("Cut %1   %2 mm long, %3 mm deep")
+                   .arg(cut.number)
+                   .arg(cut.length_mm, 0, 'f', 0)
+                   .arg(cut.depth_mm, 0, 'f', 0)
+            + omitted_text(cut);
+    }
+
+    /// What the cut did to the mesh; empty when it is not known.
+    QString mesh_text(const planner::CutEntry& cut)
+    {
+        const mesh::CutReport& r = cut.report;
+        if (cut.restored)
+            return {};
+        if (!cut.taken_out.empty())
+            return QString("%1 elements removed, %2 cm² of new surface, %3 ms")
+                .arg(r.tets_removed)
+                .arg(r.lip_area_mm2 / 100.0, 0, 'f', 1)
+                .arg(1e3 * r.seconds, 0, 'f', 1);
+        return QString("%1 elements cut, %2 more for each, smallest angle %3°, %4 ms")
+                   .arg(r.tets_crossed)
+                   .arg(r.mean_increase(), 0, 'f', 1)
+                   .arg(r.worst_dihedral_deg, 0, 'f', r.worst_dihedral_deg < kFlatDeg ? 1 : 0)
+                   .arg(1e3 * r.seconds, 0, 'f', 1)
+            + angle_remark(r);
     }
 
     QPushButton* add_button(
@@ -201,9 +220,12 @@ namespace {
 } // namespace
 
 KnifePanel::KnifePanel(QWidget* parent)
-    : QWidget(parent)
+    : QScrollArea(parent)
 {
-    auto* column = new QVBoxLayout(this);
+    setWidgetResizable(true); // on a low screen one scrolls
+    setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    auto* page = new QWidget;
+    auto* column = new QVBoxLayout(page);
     column->addWidget(make_question());
     column->addLayout(make_settings());
     column->addLayout(make_buttons());
@@ -213,8 +235,15 @@ KnifePanel::KnifePanel(QWidget* parent)
     column->addWidget(sight_);
     state_ = plain_label(kFaint);
     column->addWidget(state_);
+    technical_ = unfocused(new QCheckBox("Technical"), "Numbers of mesh and solver, for whoever checks the program");
+    column->addWidget(technical_);
+    solver_ = plain_label(kFaint);
+    solver_->hide();
+    column->addWidget(solver_);
+    connect(technical_, &QCheckBox::toggled, solver_, &QWidget::setVisible);
     for (QDoubleSpinBox* box : { depth_, yield_ })
         box->installEventFilter(this);
+    setWidget(page);
     show_snapshot(nullptr, 0.0);
 }
 
@@ -282,6 +311,7 @@ QListWidget* KnifePanel::make_cut_list()
 {
     cuts_ = new QListWidget;
     cuts_->setWordWrap(true);
+    cuts_->setMinimumHeight(kCutListPx);
     cuts_->setToolTip("Double-click a cut to go back (or forward) to the state just after the cut");
     connect(cuts_, &QListWidget::itemActivated, this, [this](QListWidgetItem* item) {
         give(planner::surgery::GoTo { static_cast<std::size_t>(cuts_->row(item)) + 1 });
@@ -303,7 +333,7 @@ bool KnifePanel::eventFilter(QObject* watched, QEvent* event)
             return true;
         }
     }
-    return QWidget::eventFilter(watched, event);
+    return QScrollArea::eventFilter(watched, event);
 }
 
 QWidget* KnifePanel::make_question()
@@ -374,7 +404,7 @@ QWidget* KnifePanel::make_hooks()
     connect(yield_, qOverload<double>(&QDoubleSpinBox::valueChanged), this,
         [this] { give(planner::surgery::SetYield { yield_N() }); });
     form->addRow("Yield at", yield_);
-    nonlinear_ = unfocused(new QCheckBox("Nonlinear near the wound"),
+    nonlinear_ = unfocused(new QCheckBox("Exact near the wound"),
         "The tissue near the wound is computed with large rotations and strains when the mouse first rests. Without "
         "this option, wide openings swell");
     nonlinear_->setChecked(true);
@@ -393,11 +423,10 @@ QWidget* KnifePanel::make_hooks()
         [this] { give(planner::surgery::TakeOffHooks {}); });
     column->addLayout(buttons);
     hooks_ = new QListWidget;
-    hooks_->setMaximumHeight(kHookListPx);
     hooks_->setToolTip(
         "Select the hook tool with H. Press on the edge of a wound to set a hook or a retractor; drag it to pull");
     column->addWidget(hooks_);
-    numbers_ = plain_label(kFaint);
+    numbers_ = plain_label("color: white;");
     refusal_ = plain_label("color: #ff8a80;");
     column->addWidget(refusal_);
     column->addWidget(numbers_);
@@ -424,6 +453,7 @@ double KnifePanel::yield_N() const
 bool KnifePanel::nonlinear() const { return nonlinear_->isChecked(); }
 
 QString KnifePanel::hook_numbers() const { return numbers_->text(); }
+QString KnifePanel::technical_text() const { return solver_->text(); }
 QString KnifePanel::hook_warning() const { return refusal_->text(); }
 
 QString KnifePanel::opening_text() const { return opening_text_->text(); }
@@ -476,6 +506,8 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
         hook_ids_.push_back(hook.id);
     }
     hooks_->setVisible(count > 0);
+    hooks_->setFixedHeight(
+        std::min(kHookListPx, 2 * hooks_->frameWidth() + count * std::max(hooks_->sizeHintForRow(0), 1)));
     const bool wound = ready
         && std::any_of(
             snapshot->cuts.begin(), snapshot->cuts.end(), [](const planner::CutEntry& cut) { return cut.in_force; });
@@ -496,28 +528,33 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
     numbers_->setVisible(count > 0);
     if (count == 0)
         return;
-    QString retractors;
+    QString said;
     for (const planner::RetractorState& retractor : report.retractors)
-        retractors += retractor_text(retractor);
+        said += retractor_text(retractor) + '\n';
+    if (report.hooks.size() != 2 * report.retractors.size()) // otherwise the retractors' forces say it
+        said
+            += QString("%1 on one side, %2 on the other").arg(newtons(report.side_N[0])).arg(newtons(report.side_N[1]));
+    numbers_->setText(said.trimmed());
+}
+
+/// Numbers of the hooks' solution; empty without hooks.
+QString KnifePanel::solver_text(const planner::HookReport& report)
+{
+    if (report.hooks.empty())
+        return {};
     const Vec3& at = report.strain.where;
-    numbers_->setText(retractors
-        + QString("%1 on one side, %2 on the other\n"
-                  "%3\n"
-                  "%6\n"
-                  "%4computed in %5 ms")
-              .arg(newtons(report.side_N[0]))
-              .arg(newtons(report.side_N[1]))
-              .arg(report.settled ? QString("strain %1 % (99th percentile) at (%2, %3, %4) mm")
-                                        .arg(100.0 * report.strain.p99, 0, 'f', 0)
-                                        .arg(at.x(), 0, 'f', 0)
-                                        .arg(at.y(), 0, 'f', 0)
-                                        .arg(at.z(), 0, 'f', 0)
-                                  : QString("The strain follows when the mouse rests"))
-              .arg(report.shown == planner::ShownAnswer::linear_since
-                      ? QString() // the sum of two solutions
-                      : QString("residual %1, ").arg(report.residual, 0, 'e', 0))
-              .arg(report.frame_ms, 0, 'f', 0)
-              .arg(QString::fromStdString(report.shown_text)));
+    return QString("%1\n%4\n%2computed in %3 ms\n")
+        .arg(report.settled ? QString("strain %1 % (99th percentile) at (%2, %3, %4) mm")
+                                  .arg(100.0 * report.strain.p99, 0, 'f', 0)
+                                  .arg(at.x(), 0, 'f', 0)
+                                  .arg(at.y(), 0, 'f', 0)
+                                  .arg(at.z(), 0, 'f', 0)
+                            : QString("The strain follows when the mouse rests"))
+        .arg(report.shown == planner::ShownAnswer::linear_since
+                ? QString() // the sum of two solutions
+                : QString("residual %1, ").arg(report.residual, 0, 'e', 0))
+        .arg(report.frame_ms, 0, 'f', 0)
+        .arg(QString::fromStdString(report.shown_text));
 }
 
 planner::KnifeSettings KnifePanel::settings() const
@@ -587,19 +624,23 @@ void KnifePanel::show_snapshot(const planner::SurgerySnapshot* snapshot, double 
         const QString text = entry_text(cut) + (cut.in_force ? "" : "\nundone");
         if (item->text() != text)
             item->setText(text);
+        item->setToolTip(mesh_text(cut));
         item->setForeground(cut.in_force ? QColor(0xe4, 0xe8, 0xeb) : QColor(0x6d, 0x75, 0x7d));
     }
     if (!ready)
         state_->setText("Select the knife with K. Draw on the skin with the left button, and turn the camera with the "
                         "right button.");
     else
-        state_->setText(QString("Widest wound %1 mm%2\nstep %3 ms, surface %4 ms, opening %5 ms, picture %6 ms")
+        state_->setText(QString("Widest wound %1 mm%2")
                             .arg(snapshot->gape_mm, 0, 'f', 1)
-                            .arg(snapshot->moving ? ", still opening" : "")
-                            .arg(snapshot->step_ms, 0, 'f', 1)
-                            .arg(snapshot->picture_ms, 0, 'f', 1)
-                            .arg(snapshot->relax_ms, 0, 'f', 0)
-                            .arg(draw_ms, 0, 'f', 0));
+                            .arg(snapshot->moving ? ", still opening" : ""));
+    solver_->setText(!ready ? QString()
+                            : solver_text(snapshot->hooks)
+                + QString("step %1 ms, surface %2 ms, opening %3 ms, picture %4 ms")
+                      .arg(snapshot->step_ms, 0, 'f', 1)
+                      .arg(snapshot->picture_ms, 0, 'f', 1)
+                      .arg(snapshot->relax_ms, 0, 'f', 0)
+                      .arg(draw_ms, 0, 'f', 0));
 }
 
 } // namespace retractor::ui

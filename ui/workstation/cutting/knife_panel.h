@@ -5,7 +5,7 @@
 #include "planner/session/surgery_command.h"
 #include "planner/session/surgery_worker.h"
 
-#include <QWidget>
+#include <QScrollArea>
 
 #include <functional>
 #include <optional>
@@ -23,7 +23,7 @@ class QSlider;
 
 namespace retractor::ui {
 
-class KnifePanel : public QWidget {
+class KnifePanel : public QScrollArea {
 public:
     explicit KnifePanel(QWidget* parent = nullptr);
 
@@ -60,6 +60,8 @@ public:
     QListWidget& hook_list() { return *hooks_; }
     QPushButton& planned_hooks_button() { return *planned_; }
     QString hook_numbers() const; ///< text on the panel
+    QString technical_text() const; ///< text that the panel shows where Technical is ticked
+    QCheckBox& technical_box() { return *technical_; }
     QString hook_warning() const; ///< text on the panel; empty: none
     QPushButton& restore_button() { return *restore_; }
     QPushButton& discard_button() { return *discard_; }
@@ -78,6 +80,7 @@ private:
     void show_hooks(const planner::SurgerySnapshot* snapshot);
     void show_opening(const std::vector<planner::HookState>& hooks);
     void set_opening(int value, bool by_share);
+    static QString solver_text(const planner::HookReport& report);
     QString opening_text(int value) const;
     QDoubleSpinBox* depth_ = nullptr;
     QCheckBox *through_ = nullptr, *bone_ = nullptr, *nonlinear_ = nullptr;
@@ -89,7 +92,8 @@ private:
     QLabel* question_text_ = nullptr;
     QPushButton *restore_ = nullptr, *discard_ = nullptr;
     QPushButton *undo_ = nullptr, *redo_ = nullptr, *export_ = nullptr;
-    QLabel *state_ = nullptr, *sight_ = nullptr;
+    QLabel *state_ = nullptr, *sight_ = nullptr, *solver_ = nullptr;
+    QCheckBox* technical_ = nullptr;
     QSlider* opening_ = nullptr;
     QLabel* opening_text_ = nullptr;
     bool by_share_ = false; ///< the slider shows per cent of the plan instead of mm

@@ -38,6 +38,13 @@ namespace {
         return count > 0 ? Vec3(hook.placement.centre + sum / count) : hook.placement.centre;
     }
 
+    const planner::HookState* hook_of(const planner::HookReport& report, fem::HookId id)
+    {
+        const auto found = std::find_if(
+            report.hooks.begin(), report.hooks.end(), [&](const planner::HookState& hook) { return hook.id == id; });
+        return found == report.hooks.end() ? nullptr : &*found;
+    }
+
     planner::HookShape shape_of(const planner::HookState& hook, const planner::WallPicture& picture, double shaft_mm)
     {
         return { .name = hook.name,
@@ -52,12 +59,15 @@ namespace {
     constexpr double kShaftMm = 60.0; ///< of a hook in a hand
     constexpr double kBladeShaftMm = 10.0; ///< up to the arm of a retractor
 
+    bool is_blade_of(const planner::RetractorState& retractor, fem::HookId id)
+    {
+        return std::find(retractor.blades.begin(), retractor.blades.end(), id) != retractor.blades.end();
+    }
+
     bool is_blade(const planner::HookReport& report, fem::HookId id)
     {
-        return std::any_of(
-            report.retractors.begin(), report.retractors.end(), [&](const planner::RetractorState& retractor) {
-                return std::find(retractor.blades.begin(), retractor.blades.end(), id) != retractor.blades.end();
-            });
+        return std::any_of(report.retractors.begin(), report.retractors.end(),
+            [&](const planner::RetractorState& retractor) { return is_blade_of(retractor, id); });
     }
 
     TriMesh steel_of(const planner::HookState& hook, const planner::SurgerySnapshot& snapshot)
@@ -66,11 +76,15 @@ namespace {
             shape_of(hook, *snapshot.picture, is_blade(snapshot.hooks, hook.id) ? kBladeShaftMm : kShaftMm));
     }
 
-    const planner::HookState* hook_of(const planner::HookReport& report, fem::HookId id)
+    /// The arms and the rack of a retractor.
+    TriMesh rack_of(const planner::RetractorState& retractor, const planner::SurgerySnapshot& snapshot)
     {
-        const auto found = std::find_if(
-            report.hooks.begin(), report.hooks.end(), [&](const planner::HookState& hook) { return hook.id == id; });
-        return found == report.hooks.end() ? nullptr : &*found;
+        const auto* first = hook_of(snapshot.hooks, retractor.blades[0]);
+        const auto* second = hook_of(snapshot.hooks, retractor.blades[1]);
+        return first == nullptr || second == nullptr
+            ? TriMesh {}
+            : planner::rack_mesh(shape_of(*first, *snapshot.picture, kBladeShaftMm),
+                shape_of(*second, *snapshot.picture, kBladeShaftMm));
     }
 
     void append(TriMesh& all, const TriMesh& mesh)
@@ -392,14 +406,8 @@ void KnifeTool::show_steel()
     TriMesh steel;
     for (const planner::HookState& hook : snapshot.hooks.hooks)
         append(steel, steel_of(hook, snapshot));
-    for (const planner::RetractorState& retractor : snapshot.hooks.retractors) {
-        const auto* first = hook_of(snapshot.hooks, retractor.blades[0]);
-        const auto* second = hook_of(snapshot.hooks, retractor.blades[1]);
-        if (first != nullptr && second != nullptr)
-            append(steel,
-                planner::rack_mesh(shape_of(*first, *snapshot.picture, kBladeShaftMm),
-                    shape_of(*second, *snapshot.picture, kBladeShaftMm)));
-    }
+    for (const planner::RetractorState& retractor : snapshot.hooks.retractors)
+        append(steel, rack_of(retractor, snapshot));
     drawn_.wall.set_steel(steel);
 }
 
@@ -458,6 +466,17 @@ const planner::HookState* KnifeTool::hook_under(
         if (const auto hit = planner::first_hit(steel_of(hook, snapshot), ray); hit && *hit < least) {
             least = *hit;
             nearest = &hook;
+        }
+    for (const planner::RetractorState& retractor : snapshot.hooks.retractors)
+        if (const auto hit = planner::first_hit(rack_of(retractor, snapshot), ray); hit && *hit < least) {
+            least = *hit;
+            const Vec3 at = ray.origin + *hit * ray.direction;
+            for (const fem::HookId id : retractor.blades) // an arm moves with its blade
+                if (const auto* blade = hook_of(snapshot.hooks, id); blade != nullptr
+                    && (nearest == nullptr || !is_blade_of(retractor, nearest->id)
+                        || (shown_centre(*blade, *snapshot.picture) - at).norm()
+                            < (shown_centre(*nearest, *snapshot.picture) - at).norm()))
+                    nearest = blade;
         }
     if (nearest != nullptr || !touched)
         return nearest;
@@ -547,7 +566,7 @@ bool KnifeTool::wheel(double notches)
     if (under == nullptr)
         return false;
     for (const planner::RetractorState& retractor : report.retractors)
-        if (std::find(retractor.blades.begin(), retractor.blades.end(), under->id) != retractor.blades.end()) {
+        if (is_blade_of(retractor, under->id)) {
             // Notches that follow each other go on from the last one: the wound that is shown may be older.
             const bool goes_on = cranked_.blade == retractor.blades[0] && cranked_.since.isValid()
                 && cranked_.since.elapsed() < kSameTurnMs;

@@ -765,6 +765,13 @@ KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> placements, const 
     return { attached > 0, std::move(omitted) };
 }
 
+namespace {
+
+    constexpr const char* kHeldAlready
+        = "a hook or blade already holds the wound here: drag it, or press farther away from it";
+
+} // namespace
+
 KnifeAnswer SurgerySession::place_hook(const Touch& at)
 {
     if (stroke_open())
@@ -774,12 +781,22 @@ KnifeAnswer SurgerySession::place_hook(const Touch& at)
         = find_hook_placement(*picture()->surface, lip_triangles(session_), held_, outward_, at, why_not);
     if (placement.nodes.empty())
         return { false, why_not };
+    if (is_held(placement))
+        return { false, kHeldAlready };
     const std::string name = "hook " + std::to_string(hooks_placed_ + 1);
     const Vec3 lies = present_place(placement);
     KnifeAnswer answer = attach({ std::move(placement) }, { name }, { { .displacement = lies } }, false, {});
     if (answer.done)
         ++hooks_placed_;
     return answer;
+}
+
+/// Whether a hook already holds tissue under a patch.
+bool SurgerySession::is_held(const HookPlacement& placement) const
+{
+    const std::vector<VertexId> held = hooks_ != nullptr ? hooks_->held_vertices() : std::vector<VertexId> {};
+    return std::any_of(placement.nodes.begin(), placement.nodes.end(),
+        [&](VertexId v) { return std::find(held.begin(), held.end(), v) != held.end(); });
 }
 
 /// Mean displacement of the lip under a patch: under tension, or with other hooks, the lip has moved.
@@ -818,6 +835,8 @@ KnifeAnswer SurgerySession::place_retractor(const Touch& at, const RetractorKind
         outward_, at, kind.blade_width_mm, kind.blade_depth_mm, why_not);
     if (blades[0].nodes.empty())
         return { false, why_not };
+    if (is_held(blades[0]) || is_held(blades[1]))
+        return { false, kHeldAlready };
     const std::size_t there = hooks().retractors.size();
     const std::string number = there == 0 ? std::string {} : " " + std::to_string(there + 1);
     std::vector<std::string> names;

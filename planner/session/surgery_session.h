@@ -210,6 +210,7 @@ private:
     std::vector<fem::Hinge> present_hinges() const;
     void make_hooks(std::span<const HookPlacement> placements);
     void renew_hooks();
+    bool is_held(const HookPlacement& placement) const;
     Vec3 present_place(const HookPlacement& placement);
     void join_planned_blades();
     void drop_hooks(const std::string& why);

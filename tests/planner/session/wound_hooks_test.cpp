@@ -609,6 +609,11 @@ namespace wound_hooks_test {
         live_session.pull_all_hooks(4.0);
         EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 8.0, 1e-9);
         EXPECT_TRUE(live_session.place_hook(at(live_session, 40.0, 48.0)).done);
+        for (const KnifeAnswer& again : { live_session.place_hook(at(live_session, 60.0, 50.0)),
+                 live_session.place_retractor(at(live_session, 45.0, 48.0), small_retractor()) }) {
+            EXPECT_FALSE(again.done);
+            EXPECT_NE(again.reason.find("already holds"), std::string::npos) << again.reason;
+        }
         live_session.take_off_hook(upper);
         report = live_session.hooks();
         EXPECT_TRUE(report.retractors.empty());
@@ -676,7 +681,7 @@ namespace wound_hooks_test {
         EXPECT_NE(refused(60.0, 100.0).find("no wound within"), std::string::npos) << refused(60.0, 100.0);
         ASSERT_TRUE(live_session.place_hook(at(live_session, 60.0, 63.0)).done);
         const std::string twice = refused(60.0, 63.0);
-        EXPECT_NE(twice.find("two hooks hold one vertex"), std::string::npos) << twice;
+        EXPECT_NE(twice.find("already holds the wound here"), std::string::npos) << twice;
         EXPECT_EQ(live_session.hooks().hooks.size(), 1U);
         EXPECT_THROW(
             live_session.pull_hook(live_session.hooks().hooks[0].id, Vec3(0.0, 0.0, std::nan(""))), InputError);

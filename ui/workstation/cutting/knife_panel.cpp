@@ -31,7 +31,7 @@ namespace {
     constexpr double kStrongestN = 500.0; ///< the strongest retraction published is 349 N on one side
     constexpr double kTearingStrain = 1.0; ///< stretch to twice the length, which no tissue of a wall bears
     constexpr int kHookListPx = 110; ///< at most
-    constexpr int kCutListPx = 72; ///< at least
+    constexpr int kCutListPx = 96;
     constexpr double kFlatDeg = 5.0; ///< smallest angle that a cut guarantees, where the geometry allows it
     /// Published skin tension is 2 to 6 %.
     constexpr std::array kTensionsPercent { 0, 2, 4, 6 };
@@ -229,7 +229,7 @@ KnifePanel::KnifePanel(QWidget* parent)
     column->addWidget(make_question());
     column->addLayout(make_settings());
     column->addLayout(make_buttons());
-    column->addWidget(make_cut_list(), 1);
+    column->addWidget(make_cut_list());
     column->addWidget(make_hooks());
     sight_ = plain_label("color: white;");
     column->addWidget(sight_);
@@ -243,6 +243,7 @@ KnifePanel::KnifePanel(QWidget* parent)
     connect(technical_, &QCheckBox::toggled, solver_, &QWidget::setVisible);
     for (QDoubleSpinBox* box : { depth_, yield_ })
         box->installEventFilter(this);
+    column->addStretch(1);
     setWidget(page);
     show_snapshot(nullptr, 0.0);
 }
@@ -311,7 +312,7 @@ QListWidget* KnifePanel::make_cut_list()
 {
     cuts_ = new QListWidget;
     cuts_->setWordWrap(true);
-    cuts_->setMinimumHeight(kCutListPx);
+    cuts_->setFixedHeight(kCutListPx); // so that no row below moves when a text grows
     cuts_->setToolTip("Double-click a cut to go back (or forward) to the state just after the cut");
     connect(cuts_, &QListWidget::itemActivated, this, [this](QListWidgetItem* item) {
         give(planner::surgery::GoTo { static_cast<std::size_t>(cuts_->row(item)) + 1 });

@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <numbers>
 #include <sstream>
 #include <utility>
@@ -152,6 +153,32 @@ void set_retractor(
     check_approach(with);
     static_cast<void>(blades_of(with)); // refuses a wall that is too thin
     approach = std::move(with);
+}
+
+Approach with_retractor_at(Approach approach, RetractorSpec cranked, const Vec3& at)
+{
+    constexpr double kFarthestMm = 30.0;
+    const double length = incision_length(approach);
+    double before = 0.0, least = std::numeric_limits<double>::infinity(), along = 0.0;
+    for (std::size_t n = 0; n + 1 < approach.incision.size(); ++n) {
+        const Vec3 piece = approach.incision[n + 1] - approach.incision[n];
+        const double share = std::clamp((at - approach.incision[n]).dot(piece) / piece.squaredNorm(), 0.0, 1.0);
+        if (const double distance = (approach.incision[n] + share * piece - at).norm(); distance < least) {
+            least = distance;
+            along = before + share * piece.norm();
+        }
+        before += piece.norm();
+    }
+    if (!(least <= kFarthestMm))
+        throw InputError(
+            "the retractor lies " + in_words(least) + " mm from the incision of the approach", "retractor");
+    const double half = std::min(0.5 * cranked.blade_width_mm, 0.5 * length); // blades end where the wound ends
+    cranked.along_mm = std::clamp(along, half, length - half);
+    approach.hooks.clear();
+    approach.retractor = std::move(cranked);
+    check_approach(approach);
+    static_cast<void>(blades_of(approach)); // refuses a wall that is too thin
+    return approach;
 }
 
 std::vector<HookSpec> blades_of(const Approach& approach)

@@ -53,6 +53,13 @@ RetractorSpec make_retractor(const Approach& approach, const RetractorKind& kind
 void set_retractor(
     Case& planned_case, std::string_view approach_name, const RetractorKind& kind, const RetractorDrive& drive);
 
+/// The approach with a retractor as it was set and cranked by hand.
+/// @param cranked its kind, sizes and opening; where it lies along the incision is not read
+/// @param at between its blades, at rest
+/// @throws InputError where this is farther than 30 mm from the incision, as check_approach() does, and where the wall
+/// is too thin for the blades
+Approach with_retractor_at(Approach approach, RetractorSpec cranked, const Vec3& at);
+
 /// The two blades as hooks, side +1 first, each with half of the opening. @pre approach.retractor
 /// @throws InputError where the wall is too thin for the blades
 std::vector<HookSpec> blades_of(const Approach& approach);

@@ -506,6 +506,9 @@ void MainWindow::make_knife()
             show_message(QString::fromStdString(text));
     };
     knife_panel_->on_export = [this] { ask_for_export_file(); };
+    knife_panel_->on_plan_retractor = [this](const planner::RetractorState& cranked, const Vec3& at) {
+        editor_->add_with_retractor(cranked.kind, cranked.opening_mm, at);
+    };
     connect(tabs_, &QTabWidget::currentChanged, this, [this] {
         labels_->set_active(false);
         show_corrected_labels();

@@ -137,6 +137,22 @@ namespace retractors_test {
         EXPECT_THROW((void)read_retractors("/nowhere/retractors.json"), IoError);
     }
 
+    TEST(Retractors, OneThatWasCrankedByHandJoinsTheApproachWhereItLies)
+    {
+        const Approach approach = straight();
+        RetractorSpec cranked
+            = make_retractor(approach, find_retractor(built_in_retractors(), "midcab"), { .opening_mm = 24.0 });
+        const Approach with = with_retractor_at(approach, cranked, Vec3(5.0, 40.0, -8.0));
+        ASSERT_TRUE(with.retractor.has_value());
+        EXPECT_NEAR(with.retractor->along_mm, 40.0, kRoundOff);
+        EXPECT_EQ(with.retractor->opening_mm, 24.0);
+        // Near an end the blade stays within the wound.
+        EXPECT_NEAR(with_retractor_at(approach, cranked, Vec3(0.0, 99.0, 0.0)).retractor->along_mm, 85.0, kRoundOff);
+        EXPECT_THROW((void)with_retractor_at(approach, cranked, Vec3(40.0, 50.0, 0.0)), InputError);
+        cranked.opening_mm = 500.0;
+        EXPECT_THROW((void)with_retractor_at(approach, cranked, Vec3(0.0, 50.0, 0.0)), InputError);
+    }
+
     TEST(Retractors, ACaseKeepsItsRetractor)
     {
         const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());

@@ -423,6 +423,10 @@ QWidget* KnifePanel::make_hooks()
     hooks_off_ = add("All off", "Remove all hooks. The wound closes, or gapes from the tension of the tissue",
         [this] { give(planner::surgery::TakeOffHooks {}); });
     column->addLayout(buttons);
+    to_plan_ = unfocused(new QPushButton("Add as an approach"),
+        "Adds a copy of the approach that is opened by this retractor as it is now: its place, kind and opening");
+    connect(to_plan_, &QPushButton::clicked, this, [this] { plan_chosen_retractor(); });
+    column->addWidget(to_plan_);
     hooks_ = new QListWidget;
     hooks_->setToolTip(
         "Select the hook tool with H. Press on the edge of a wound to set a hook or a retractor; drag it to pull");
@@ -444,6 +448,26 @@ void KnifePanel::take_off_chosen_hook()
 {
     if (const int row = hooks_->currentRow(); row >= 0 && static_cast<std::size_t>(row) < hook_ids_.size())
         give(planner::surgery::TakeOffHook { hook_ids_[static_cast<std::size_t>(row)] });
+}
+
+/// Of several retractors the one that is selected in the list, else the first.
+void KnifePanel::plan_chosen_retractor()
+{
+    if (report_.retractors.empty() || !on_plan_retractor)
+        return;
+    const int row = hooks_->currentRow();
+    const fem::HookId chosen
+        = row >= 0 && static_cast<std::size_t>(row) < hook_ids_.size() ? hook_ids_[static_cast<std::size_t>(row)] : -1;
+    auto retractor = std::ranges::find_if(report_.retractors, [&](const planner::RetractorState& state) {
+        return std::ranges::find(state.blades, chosen) != state.blades.end();
+    });
+    if (retractor == report_.retractors.end())
+        retractor = report_.retractors.begin();
+    Vec3 between = Vec3::Zero();
+    for (const planner::HookState& hook : report_.hooks)
+        if (std::ranges::find(retractor->blades, hook.id) != retractor->blades.end())
+            between += 0.5 * hook.placement.centre;
+    on_plan_retractor(*retractor, between);
 }
 
 double KnifePanel::yield_N() const
@@ -506,6 +530,8 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
         hooks_->item(i)->setText(hook_text(hook));
         hook_ids_.push_back(hook.id);
     }
+    report_ = report;
+    to_plan_->setVisible(!report.retractors.empty());
     hooks_->setVisible(count > 0);
     hooks_->setFixedHeight(
         std::min(kHookListPx, 2 * hooks_->frameWidth() + count * std::max(hooks_->sizeHintForRow(0), 1)));

@@ -45,6 +45,8 @@ public:
     // Set by the owner; called when something is pressed or set.
     std::function<void(planner::surgery::Command)> on_command;
     std::function<void()> on_export;
+    /// Called with a retractor that shall be planned as it is cranked, and the place between its blades at rest.
+    std::function<void(const planner::RetractorState&, const Vec3& at)> on_plan_retractor;
     std::function<void(bool wanted)> on_restore;
     double yield_N() const; ///< force at which hooks yield; infinite: never
     bool nonlinear() const;
@@ -59,6 +61,7 @@ public:
     QString opening_text() const; ///< text beside the slider
     QListWidget& hook_list() { return *hooks_; }
     QPushButton& planned_hooks_button() { return *planned_; }
+    QPushButton& plan_retractor_button() { return *to_plan_; }
     QString hook_numbers() const; ///< text on the panel
     QString technical_text() const; ///< text that the panel shows where Technical is ticked
     QCheckBox& technical_box() { return *technical_; }
@@ -77,6 +80,7 @@ private:
     QWidget* make_hooks();
     void give(planner::surgery::Command command);
     void take_off_chosen_hook();
+    void plan_chosen_retractor();
     void show_hooks(const planner::SurgerySnapshot* snapshot);
     void show_opening(const std::vector<planner::HookState>& hooks);
     void set_opening(int value, bool by_share);
@@ -100,7 +104,8 @@ private:
     QDoubleSpinBox* yield_ = nullptr;
     QListWidget* hooks_ = nullptr;
     std::vector<fem::HookId> hook_ids_; ///< id of each entry of the list
-    QPushButton *planned_ = nullptr, *hook_off_ = nullptr, *hooks_off_ = nullptr;
+    planner::HookReport report_; ///< that is shown
+    QPushButton *planned_ = nullptr, *to_plan_ = nullptr, *hook_off_ = nullptr, *hooks_off_ = nullptr;
     QLabel *numbers_ = nullptr, *refusal_ = nullptr;
 };
 

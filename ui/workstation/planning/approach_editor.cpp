@@ -1,6 +1,7 @@
 #include "ui/workstation/planning/approach_editor.h"
 
 #include "mesh/base/text_format.h"
+#include "planner/approach/retractors.h"
 #include "planner/case/target_site.h"
 #include "ui/workstation/planning/approach_dialog.h"
 #include "ui/workstation/planning/site_dialog.h"
@@ -8,6 +9,7 @@
 #include <QWidget>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
@@ -364,6 +366,28 @@ void ApproachEditor::duplicate()
     try {
         model_->add_approach(std::move(copy));
         changed("Added " + name);
+    } catch (...) {
+        on_failure(current_failure());
+    }
+}
+
+void ApproachEditor::add_with_retractor(const std::string& kind, double opening_mm, const Vec3& at)
+{
+    if (model_ == nullptr || !model_->selected())
+        return;
+    const planner::Approach& from = model_->approach(*model_->selected());
+    try {
+        planner::RetractorSpec cranked = from.retractor && from.retractor->kind == kind
+            ? *from.retractor
+            : planner::make_retractor(from, planner::find_retractor(planner::built_in_retractors(), kind), {});
+        cranked.force_N.reset();
+        cranked.opening_mm = std::round(opening_mm); // nobody sets tenths of a millimetre
+        planner::Approach added = planner::with_retractor_at(from, std::move(cranked), at);
+        added.name = planner::free_approach_name(model_->planned_case(), added.name);
+        const QString message = QString::fromStdString(
+            formatted("Added %s, opened by %.0f mm", added.name.c_str(), added.retractor->opening_mm));
+        model_->add_approach(std::move(added));
+        changed(message);
     } catch (...) {
         on_failure(current_failure());
     }

@@ -44,6 +44,9 @@ public:
     /// Asks what is done where the slices meet, and makes this site the target. @pre slices are shown
     void choose_site();
     void duplicate();
+    /// Adds a copy of the selected approach that is opened by a retractor as it was cranked by hand.
+    /// @param at between its blades, at rest
+    void add_with_retractor(const std::string& kind, double opening_mm, const Vec3& at);
     /// Adds the same approach one space higher and lower, and 20 mm along (planner::neighbours_of()).
     void add_neighbours();
     void remove();

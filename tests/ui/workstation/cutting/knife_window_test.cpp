@@ -312,6 +312,20 @@ namespace knife_window_test {
         EXPECT_TRUE(window_->knife_panel().hook_numbers().contains("MIDCAB open 1"))
             << window_->knife_panel().hook_numbers().toStdString();
         window_->save_screenshot(picture_folder() / "workstation_retractor.png");
+        // It becomes an approach to plan, and the wound is still there.
+        const double cranked_mm = snapshot().hooks.retractors.at(0).opening_mm;
+        const std::size_t before = window_->model()->planned_case().approaches.size();
+        window_->knife_panel().plan_retractor_button().click();
+        wait_until_idle();
+        ASSERT_EQ(window_->model()->planned_case().approaches.size(), before + 1) << error();
+        const planner::Approach& added = window_->model()->planned_case().approaches.back();
+        ASSERT_TRUE(added.retractor.has_value());
+        EXPECT_EQ(added.retractor->kind, "midcab");
+        EXPECT_EQ(added.retractor->opening_mm, std::round(cranked_mm));
+        window_->select("median");
+        press(Qt::Key_H);
+        wait_until_idle();
+        ASSERT_EQ(snapshot().hooks.retractors.size(), 1U);
         window_->knife_panel().hook_list().setCurrentRow(1);
         const auto buttons = window_->knife_panel().findChildren<QPushButton*>();
         const auto off = std::find_if(

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/approach/approach_templates.h"
+#include "planner/approach/retractors.h"
 #include "planner/search/aperture_score.h"
 
 #include <algorithm>
@@ -116,6 +117,17 @@ OpenedBy opening_of(const FoundIncision& incision, const SearchRequest& request)
             : incision.length_mm < kSmallMm                              ? "midcab"
                                                                          : "finochietto";
     return opened;
+}
+
+std::string other_retractor(const FoundIncision& incision, const SearchRequest& request)
+{
+    if (!request.hooks.empty() || !request.retractor.empty())
+        return {};
+    const std::string usual = opening_of(incision, request).retractor;
+    const bool sternum = incision.kind == FoundIncision::Kind::sternum;
+    const std::string other = usual == "finochietto" ? (sternum ? "sternal" : "midcab") : "finochietto";
+    const RetractorKind& kind = find_retractor(built_in_retractors(), other);
+    return kind.greatest_opening_mm >= incision.opening_mm && kind.blade_width_mm < incision.length_mm ? other : "";
 }
 
 std::string place_in_words(const FoundIncision& incision)

@@ -128,6 +128,27 @@ namespace {
         return ranked(candidates, weights);
     }
 
+    /// The best one opened as wide by another retractor.
+    std::vector<Proposal> by_another_retractor(const Round& round, const SearchRequest& request)
+    {
+        const std::vector<RankedField> ranking = ranking_of(round.plans, request.weights);
+        if (ranking.empty())
+            return {};
+        Proposal proposal = round.plans.best_first[ranking.front().index].proposal;
+        OpenedBy opened = opening_of(proposal.incision, request);
+        opened.retractor = other_retractor(proposal.incision, request);
+        if (opened.retractor.empty())
+            return {};
+        try {
+            proposal.approach = opened_by(std::move(proposal.approach), opened);
+        } catch (const InputError&) {
+            return {}; // its blades do not fit here
+        }
+        proposal.approach.name += "_" + opened.retractor;
+        proposal.words += ", opened by a " + opened.retractor + " retractor";
+        return { std::move(proposal) };
+    }
+
     /// The best two opened less wide. Where fewer could be solved, the first that could not.
     std::vector<Proposal> narrower(const Round& round, const SearchRequest& request)
     {
@@ -201,7 +222,10 @@ SearchPlans draft_plans(const Case& planned_case, const std::vector<Proposal>& p
             job);
         if (plans.status == SearchStatus::cancelled)
             break;
-        if (std::vector<Proposal> second = narrower(round, request); !second.empty())
+        std::vector<Proposal> second = narrower(round, request);
+        for (Proposal& proposal : by_another_retractor(round, request))
+            second.push_back(std::move(proposal));
+        if (!second.empty())
             add_drafts(round, planned_case, std::move(second), search, least_seen, job);
         round.unsolved.clear();
     }

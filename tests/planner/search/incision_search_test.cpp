@@ -131,6 +131,28 @@ namespace incision_search_test {
         }
     }
 
+    TEST(IncisionSearch, AnotherRetractorIsOneThatFits)
+    {
+        SearchRequest request;
+        FoundIncision small, broad, sternum;
+        small.length_mm = 80.0;
+        broad.length_mm = 140.0;
+        sternum.length_mm = 200.0;
+        small.kind = broad.kind = FoundIncision::Kind::space;
+        sternum.kind = FoundIncision::Kind::sternum;
+        for (FoundIncision* incision : { &small, &broad, &sternum })
+            incision->opening_mm = 40.0;
+        EXPECT_EQ(other_retractor(small, request), "finochietto");
+        EXPECT_EQ(other_retractor(broad, request), "midcab");
+        EXPECT_EQ(other_retractor(sternum, request), "finochietto");
+        broad.opening_mm = 100.0; // wider than the small one goes
+        EXPECT_EQ(other_retractor(broad, request), "");
+        small.length_mm = 45.0; // shorter than its blades
+        EXPECT_EQ(other_retractor(small, request), "");
+        request.retractor = "sternal"; // who names one gets that one
+        EXPECT_EQ(other_retractor(sternum, request), "");
+    }
+
     TEST(IncisionSearch, MakesTheApproachThatItFound)
     {
         SearchRequest request = chest_request();

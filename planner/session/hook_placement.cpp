@@ -148,6 +148,10 @@ namespace {
     std::optional<Grip> grip_opposite(const WallSurface& surface, std::span<const LipTriangle> lips,
         const WoundEdges& edges, const Grip& grip, std::string& why_not)
     {
+        if (grip.lip.second == 0) { // bared by taking tissue out
+            why_not = "the wound has no other lip opposite: a retractor needs two";
+            return std::nullopt;
+        }
         const Lip other { grip.lip.first, -grip.lip.second };
         Grip nearest { -1, other };
         double least = kReachMm;
@@ -219,8 +223,8 @@ namespace {
         try {
             placement.nodes = fem::hook_patch_nodes(vertices, faces, placement.centre, placement.along,
                 placement.inward, placement.width_mm, placement.height_mm);
-        } catch (const InputError& error) {
-            why_not = error.what();
+        } catch (const InputError&) {
+            why_not = "the edge of the wound gives no hold here: press elsewhere on it";
             return false;
         }
         std::erase_if(placement.nodes, [&](VertexId v) {
@@ -297,7 +301,13 @@ std::array<HookPlacement, 2> find_blade_placements(const WallSurface& surface, s
     for (std::size_t i = 0; i < 2; ++i)
         if (!turn_to_lip(surface, lips, *edges, grips[i], into_body(at, outward), blades[i], why_not))
             return blades;
-    const Vec3 rack = (blades[0].pull - blades[1].pull).normalized(); // the lips of a bent wound are not quite parallel
+    const Vec3 apart = blades[0].pull - blades[1].pull; // the lips of a bent wound are not quite parallel
+    if (!(apart.norm() > 1.0)) { // more than 120 degrees between them
+        why_not = "the lips do not face each other here: press elsewhere on the edge";
+        blades[0].nodes.clear();
+        return blades;
+    }
+    const Vec3 rack = apart.normalized();
     for (std::size_t i = 0; i < 2; ++i) {
         turn_to_pull(blades[i], i == 0 ? rack : Vec3(-rack), into_body(at, outward));
         if (!take_nodes(surface, lips, *edges, held, grips[i].vertex, blades[i], why_not)) {

@@ -23,7 +23,11 @@ public:
     /// @return whether the rack has moved, because they are not in balance
     bool step(double first_N, double second_N);
     /// The tissue has changed: what was learned of it no longer holds.
-    void forget() { last_.reset(); }
+    void forget()
+    {
+        last_.reset();
+        slope_N_per_mm_ = 0.0;
+    }
 
 private:
     double shift_mm_ = 0.0;

@@ -837,27 +837,26 @@ KnifeAnswer SurgerySession::place_retractor(const Touch& at, const RetractorKind
         return { false, why_not };
     if (is_held(blades[0]) || is_held(blades[1]))
         return { false, kHeldAlready };
-    const std::size_t there = hooks().retractors.size();
-    const std::string number = there == 0 ? std::string {} : " " + std::to_string(there + 1);
+    const std::string number = retractors_placed_ == 0 ? std::string {} : " " + std::to_string(retractors_placed_ + 1);
     std::vector<std::string> names;
     std::vector<fem::HookDrive> drives;
     for (const HookPlacement& blade : blades) {
         names.push_back(blade_name(blade.pull) + number);
         drives.push_back({ .displacement = present_place(blade) });
     }
-    const std::size_t hooks_there = hooks().hooks.size();
     KnifeAnswer answer = attach({ blades.begin(), blades.end() }, names, drives, false, {});
-    if (hooks_ == nullptr)
-        return { false, answer.reason.empty() ? take_remark() : answer.reason };
-    const std::vector<HookState> attached(
-        hooks_->report().hooks.begin() + static_cast<std::ptrdiff_t>(hooks_there), hooks_->report().hooks.end());
+    std::vector<fem::HookId> attached; // opening the wound may have taken off what found no hold
+    for (const HookState& hook : hooks().hooks)
+        if (std::ranges::find(names, hook.name) != names.end())
+            attached.push_back(hook.id);
     if (attached.size() == 2) {
-        change_hooks([&] { hooks_->join({ attached[0].id, attached[1].id }, kind.kind, kind.greatest_opening_mm); });
+        change_hooks([&] { hooks_->join({ attached[0], attached[1] }, kind.kind, kind.greatest_opening_mm); });
+        ++retractors_placed_;
         return answer;
     }
-    for (const HookState& one : attached)
-        take_off_hook(one.id);
-    return { false, "both blades must find a lip: " + answer.reason };
+    for (const fem::HookId one : attached)
+        take_off_hook(one);
+    return { false, "both blades must find a hold: " + (answer.reason.empty() ? take_remark() : answer.reason) };
 }
 
 void SurgerySession::crank(fem::HookId blade, double opening_mm)
@@ -873,9 +872,11 @@ void SurgerySession::join_planned_blades()
         return;
     std::vector<fem::HookId> blades;
     for (const HookState& hook : hooks_->report().hooks)
-        if (hook.planned)
+        if (hook.planned && std::ranges::none_of(hooks_->report().retractors, [&](const RetractorState& retractor) {
+                return std::ranges::find(retractor.blades, hook.id) != retractor.blades.end();
+            }))
             blades.push_back(hook.id);
-    if (blades.size() == 2 && hooks_->report().retractors.empty())
+    if (blades.size() == 2)
         change_hooks([&] {
             hooks_->join({ blades[0], blades[1] }, approach_.retractor->kind, approach_.retractor->greatest_opening_mm);
         });
@@ -921,14 +922,20 @@ KnifeAnswer SurgerySession::take_planned_hooks()
     if (lips.empty())
         return { false, "there is no wound to open: cut first" };
     PlannedPlacements planned = planned_placements(session_, approach_, labels_, held_);
-    if (planned.placements.empty())
-        return { false, planned.omitted };
+    if (planned.placements.empty() || (approach_.retractor && planned.placements.size() < 2))
+        return { false, planned.omitted }; // a retractor needs both blades
+    if (approach_.retractor)
+        for (std::size_t n = 0; n < planned.placements.size(); ++n) // as a retractor's that is set by hand
+            planned.names[n] = "planned " + blade_name(planned.placements[n].pull);
     leave_out_those_there(planned, hooks().hooks);
     if (planned.placements.empty())
         return { false, "the planned hooks already hold the wound: remove them to start again" };
     KnifeAnswer answer
         = attach(std::move(planned.placements), planned.names, planned.drives, true, std::move(planned.omitted));
     join_planned_blades();
+    if (answer.done && approach_.retractor && approach_.retractor->force_N)
+        answer.reason += (answer.reason.empty() ? "" : "; ")
+            + std::string("each blade pulls with its force by itself, without a rack");
     if (answer.done && tension_ != case_tension())
         answer.reason += (answer.reason.empty() ? "" : "; ") + tension_unlike_the_plan(tension_, case_tension());
     return answer;

@@ -257,7 +257,7 @@ private:
     bool nonlinear_ = false;
     int hooks_made_ = 0; ///< number of solvers made for hooks
     double yield_N_ = std::numeric_limits<double>::infinity();
-    int hooks_placed_ = 0; ///< number of placed hooks, for their names
+    int hooks_placed_ = 0, retractors_placed_ = 0; ///< by hand, for their names
     double iterations_per_ms_ = 1.0; ///< measured speed of the relaxation
     double reach_mm_ = 0.0; ///< distance from the wound within which tissue moves now
     int still_frames_ = 0;

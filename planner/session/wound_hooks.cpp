@@ -143,7 +143,7 @@ void WoundHooks::take_off(fem::HookId hook)
     std::vector<fem::HookId> gone { hook };
     if (const Rack* rack = rack_of(hook)) {
         gone.assign(rack->state.blades.begin(), rack->state.blades.end());
-        std::erase_if(racks_, [&](const Rack& other) { return other.state.blades == rack->state.blades; });
+        std::erase_if(racks_, [&](const Rack& other) { return other.state.blades[0] == gone[0]; });
     }
     for (const fem::HookId one : gone) {
         opening_.detach(one);
@@ -151,6 +151,7 @@ void WoundHooks::take_off(fem::HookId hook)
         since_hooks_.erase(one);
     }
     stopped_.clear();
+    stopped_hooks_.clear();
     outdate_near();
 }
 
@@ -167,7 +168,7 @@ void WoundHooks::drive(const std::map<fem::HookId, fem::HookDrive>& asked)
         where.push_back(drawn ? found->second.displacement : follows ? hook.drive.displacement : hook.displacement);
         gives_way.push_back(drawn ? 1.0 : 0.0);
     }
-    const std::string met = names_of(fem::draw_back(opening_.facing_hooks(), gives_way, where));
+    const std::vector<fem::FacingHooks> met = fem::draw_back(opening_.facing_hooks(), gives_way, where);
     for (std::size_t i = 0; i < report_.hooks.size(); ++i) {
         HookState& hook = report_.hooks[i];
         const auto found = asked.find(hook.id);
@@ -179,7 +180,13 @@ void WoundHooks::drive(const std::map<fem::HookId, fem::HookDrive>& asked)
         opening_.drive(hook.id, limited(drive));
         hook.drive = drive;
     }
-    stopped_ = met;
+    stopped_ = names_of(met);
+    stopped_hooks_.clear();
+    for (const fem::FacingHooks& pair : met)
+        stopped_hooks_.insert({ report_.hooks[pair.a].id, report_.hooks[pair.b].id });
+    for (Rack& rack : racks_)
+        if (is_stopped(rack))
+            read_rack(rack);
     report_.settled = linear_settled_ = false;
 }
 
@@ -212,17 +219,33 @@ void WoundHooks::join(std::array<fem::HookId, 2> blades, std::string kind, doubl
     if (!(greatest_opening_mm > 0.0))
         throw InputError("the greatest opening of a retractor must be positive", kind);
     Rack rack { .state = { .kind = std::move(kind), .blades = blades, .greatest_opening_mm = greatest_opening_mm } };
-    for (std::size_t i = 0; i < 2; ++i) {
-        if (rack_of(blades[i]) != nullptr)
-            throw InputError("this hook is the blade of a retractor already", state(blades[i]).name);
-        const HookState& blade = state(blades[i]);
-        const Vec3& moved = blade.drive.force_N ? blade.displacement : blade.drive.displacement;
-        const double outward = moved.dot(blade.placement.pull);
-        rack.across[i] = moved - outward * blade.placement.pull;
-        rack.state.opening_mm += outward;
-        rack.balance.start_at(rack.balance.shift_mm() + (i == 0 ? 0.5 : -0.5) * outward);
+    for (const fem::HookId blade : blades) {
+        if (rack_of(blade) != nullptr)
+            throw InputError("this hook is the blade of a retractor already", state(blade).name);
+        if (state(blade).drive.force_N)
+            throw InputError("a hook that pulls with a force has no rack", state(blade).name);
     }
+    read_rack(rack);
     racks_.push_back(std::move(rack));
+}
+
+/// Reads where a rack is from how its blades are driven.
+void WoundHooks::read_rack(Rack& rack)
+{
+    std::array<double, 2> outward {};
+    for (std::size_t i = 0; i < 2; ++i) {
+        const HookState& blade = state(rack.state.blades[i]);
+        outward[i] = blade.drive.displacement.dot(blade.placement.pull);
+        rack.across[i] = blade.drive.displacement - outward[i] * blade.placement.pull;
+    }
+    rack.state.opening_mm = outward[0] + outward[1];
+    rack.balance.start_at(0.5 * (outward[0] - outward[1]));
+}
+
+bool WoundHooks::is_stopped(const Rack& rack) const
+{
+    return std::any_of(rack.state.blades.begin(), rack.state.blades.end(),
+        [&](fem::HookId blade) { return stopped_hooks_.contains(blade); });
 }
 
 std::array<fem::HookDrive, 2> WoundHooks::drives_of(const Rack& rack) const
@@ -234,7 +257,6 @@ std::array<fem::HookDrive, 2> WoundHooks::drives_of(const Rack& rack) const
         RETRACTOR_ASSERT(blade != report_.hooks.end());
         const double shift = (i == 0 ? 1.0 : -1.0) * rack.balance.shift_mm();
         drives[i] = blade->drive;
-        drives[i].force_N.reset();
         drives[i].displacement = rack.across[i] + (0.5 * rack.state.opening_mm + shift) * blade->placement.pull;
     }
     return drives;
@@ -246,9 +268,6 @@ void WoundHooks::open_rack(Rack& rack, double opening_mm)
         throw InputError("the opening of a retractor must be finite", rack.state.kind);
     const double wanted = std::clamp(opening_mm, 0.0, rack.state.greatest_opening_mm);
     rack.balance.open(std::exchange(rack.state.opening_mm, wanted), wanted);
-    for (const fem::HookId blade : rack.state.blades)
-        if (HookState& held = state(blade); held.drive.force_N)
-            forget_since(); // as in pull()
 }
 
 void WoundHooks::crank(fem::HookId blade, double opening_mm)
@@ -265,26 +284,26 @@ void WoundHooks::crank(fem::HookId blade, double opening_mm)
 }
 
 /// Forces by which the rack pushes the blades outwards along it.
-std::array<double, 2> WoundHooks::rack_forces(const Rack& rack, const std::map<fem::HookId, Vec3>& forces_N) const
+std::array<double, 2> WoundHooks::rack_forces(const Rack& rack, const std::map<fem::HookId, HookNumbers>& numbers) const
 {
     std::array<double, 2> along {};
     for (const HookState& hook : report_.hooks)
         for (std::size_t i = 0; i < 2; ++i)
             if (hook.id == rack.state.blades[i])
-                along[i] = forces_N.at(hook.id).dot(hook.placement.pull);
+                along[i] = numbers.at(hook.id).force_N.dot(hook.placement.pull);
     return along;
 }
 
 /// Moves each rack one step towards its balance. @return whether one has moved
-bool WoundHooks::step_racks(const std::map<fem::HookId, Vec3>& forces_N)
+bool WoundHooks::step_racks(const std::map<fem::HookId, HookNumbers>& numbers)
 {
     std::map<fem::HookId, fem::HookDrive> moved;
     for (Rack& rack : racks_) {
         const auto& [first, second] = rack.state.blades;
-        // A blade that slips, or that lips in its way stop, says nothing of where the rack would go.
-        if (!stopped_.empty() || state(first).yielded || state(second).yielded)
+        // A blade that slips, or that lips in its way stop, tells nothing of where the rack would go.
+        if (is_stopped(rack) || numbers.at(first).yielded || numbers.at(second).yielded)
             continue;
-        const auto along = rack_forces(rack, forces_N);
+        const auto along = rack_forces(rack, numbers);
         if (!rack.balance.step(along[0], along[1]))
             continue;
         const auto drives = drives_of(rack);
@@ -304,12 +323,7 @@ bool WoundHooks::linear_alone() const { return !near_usable() && since_.size() =
 void WoundHooks::balance_linear(bool exactly)
 {
     constexpr int kMostSteps = 4; // two are enough where nothing slips
-    for (int i = 0; i < kMostSteps && answered_; ++i) {
-        std::map<fem::HookId, Vec3> forces_N;
-        for (const HookState& hook : report_.hooks)
-            forces_N[hook.id] = linear_hooks_[hook.id].force_N;
-        if (!step_racks(forces_N))
-            return;
+    for (int i = 0; i < kMostSteps && answered_ && step_racks(linear_hooks_); ++i) {
         if (exactly)
             linear_settled_ = solve();
         else
@@ -323,10 +337,11 @@ void WoundHooks::balance_nonlinear(const Job& job)
     constexpr int kMostSteps = 3; // each settles the nonlinear solution again
     for (int i = 0; i < kMostSteps && near_usable() && near_.settled() && !job.cancelled(); ++i) {
         const fem::NearFrame& frame = near_.frame();
-        std::map<fem::HookId, Vec3> forces_N;
+        std::map<fem::HookId, HookNumbers> numbers;
         for (std::size_t h = 0; h < report_.hooks.size(); ++h)
-            forces_N[report_.hooks[h].id] = frame.hook_forces_N[h];
-        if (!step_racks(forces_N))
+            numbers[report_.hooks[h].id]
+                = { frame.hook_displacements[h], frame.hook_forces_N[h], frame.hook_yielded[h] };
+        if (!step_racks(numbers))
             return;
         linear_settled_ = solve();
         drag_near();
@@ -336,12 +351,13 @@ void WoundHooks::balance_nonlinear(const Job& job)
 
 void WoundHooks::report_racks()
 {
+    std::map<fem::HookId, HookNumbers> numbers;
+    for (const HookState& hook : report_.hooks)
+        numbers[hook.id] = { hook.displacement, hook.force_N, hook.yielded };
     report_.retractors.clear();
     for (Rack& rack : racks_) {
-        std::map<fem::HookId, Vec3> forces_N;
-        for (const HookState& hook : report_.hooks)
-            forces_N[hook.id] = hook.force_N;
-        const auto [first, second] = rack_forces(rack, forces_N);
+        rack.state.blade_N = rack_forces(rack, numbers);
+        const auto [first, second] = rack.state.blade_N;
         rack.state.force_N = 0.5 * (first + second);
         const double larger = std::max(std::abs(first), std::abs(second));
         rack.state.imbalance = larger > 0.0 ? std::abs(first - second) / larger : 0.0;
@@ -352,8 +368,12 @@ void WoundHooks::report_racks()
 void WoundHooks::pull(fem::HookId hook, const Vec3& asked)
 {
     if (const Rack* rack = rack_of(hook)) {
+        // The shift grows with the opening: this blade moves by this share of it.
+        constexpr double kLeastMm = 1.0, kLeastShare = 0.1, kMostShare = 0.9;
         const double shift = (hook == rack->state.blades[0] ? 1.0 : -1.0) * rack->balance.shift_mm();
-        return crank(hook, 2.0 * (asked.dot(state(hook).placement.pull) - shift));
+        const double open = rack->state.opening_mm;
+        const double share = open > kLeastMm ? std::clamp(0.5 + shift / open, kLeastShare, kMostShare) : 0.5;
+        return crank(hook, asked.dot(state(hook).placement.pull) / share);
     }
     fem::HookDrive drawn = state(hook).drive;
     if (drawn.force_N)
@@ -434,6 +454,7 @@ void WoundHooks::follow(const mesh::MeshDelta& delta, const mesh::CutSession& se
     outdate_near();
     take_off_lost();
     stopped_.clear();
+    stopped_hooks_.clear();
     (void)solve();
     show();
     renew_factor(delta);
@@ -468,16 +489,19 @@ void WoundHooks::take_off_lost()
     for (const HookState& hook : std::vector<HookState>(report_.hooks)) {
         const auto left = std::count_if(hook.placement.nodes.begin(), hook.placement.nodes.end(),
             [&](VertexId v) { return std::binary_search(wound_.begin(), wound_.end(), v); });
-        if (left >= 3)
-            continue;
-        lost(hook.name);
-        take_off(hook.id);
+        if (left < 3 && has(hook.id)) // the other blade of a lost one has gone with it
+            lose(hook.id);
     }
 }
 
-void WoundHooks::lost(const std::string& name)
+/// Takes a hook off that has lost its tissue, and says so.
+void WoundHooks::lose(fem::HookId hook)
 {
-    remark_ += (remark_.empty() ? "" : "; ") + name + " has lost its tissue and was removed";
+    const Rack* rack = rack_of(hook);
+    remark_ += (remark_.empty() ? "" : "; ")
+        + (rack != nullptr ? "the " + rack->state.kind + " retractor" : state(hook).name)
+        + " has lost its tissue and was removed";
+    take_off(hook);
 }
 
 /// Computes the exact linear solution. @return false, with a message, when there is none to show
@@ -485,8 +509,7 @@ bool WoundHooks::solve()
 {
     fem::OnlineAnswer answer = opening_.answer();
     while (answer.lost_hook) {
-        lost(state(*answer.lost_hook).name);
-        take_off(*answer.lost_hook);
+        lose(*answer.lost_hook);
         answer = opening_.answer();
     }
     opening_.complete(answer);
@@ -653,6 +676,9 @@ bool WoundHooks::show()
     constexpr double kRough = 0.2;
     report_.rough_forces = report_.shown == ShownAnswer::nonlinear && near_usable() && near_.far_change()
         && !(*near_.far_change() <= kRough);
+    report_.linear_only = nonlinear_ && !near_pending()
+        && (report_.shown != ShownAnswer::nonlinear
+            || (near_usable() && near_.frame().status == fem::NearStatus::not_settled));
     report_racks();
     report_.shown_text = shown_in_words();
     return !as_before_;

@@ -22,6 +22,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -48,7 +49,9 @@ struct RetractorState {
     std::array<fem::HookId, 2> blades {};
     double opening_mm = 0.0; ///< of the rack, from where the lips met
     double greatest_opening_mm = 0.0;
-    double force_N = 0.0; ///< along the rack: mean of the two blades
+    std::array<double, 2>
+        blade_N {}; ///< by which the rack pushes each blade outwards; negative: it holds the lips back
+    double force_N = 0.0; ///< mean of the two blades' forces
     double imbalance = 0.0; ///< difference of the blades' forces along the rack, relative to the larger one
 };
 
@@ -77,6 +80,7 @@ struct HookReport {
     double residual = 0.0;
     /// The tissue beyond the nonlinear region is off so much that the forces are no more than a hint.
     bool rough_forces = false;
+    bool linear_only = false; ///< the nonlinear solution is wanted, and there is none to show
     bool settled = true; ///< the strain, and the residual if any, belong to the shown solution
     double frame_ms = 0.0; ///< time of the last frame (a drag or a followed cut)
     int factors_swapped = 0; ///< number of factors that were made in the background
@@ -99,9 +103,10 @@ public:
     /// @throws InputError as OnlineOpening::attach()
     fem::HookId attach(HookPlacement placement, std::string name, const fem::HookDrive& drive,
         std::optional<fem::HookDrive> planned = {});
-    /// Joins two attached hooks by a rack, as a retractor with blades that were placed by find_blade_placements().
-    /// Their present distance is its opening.
-    /// @throws InputError when a hook does not exist or has a rack, or when the greatest opening is not positive
+    /// Joins two attached hooks by a rack, as a retractor with blades that were placed by find_blade_placements(). How
+    /// far they are driven apart is its opening.
+    /// @throws InputError when a hook does not exist, has a rack, or pulls with a force, or when the greatest opening
+    /// is not positive
     void join(std::array<fem::HookId, 2> blades, std::string kind, double greatest_opening_mm);
     /// Opens a retractor by its crank, at most as far as it goes. Both blades move, and forget their plan.
     /// @param blade one of its blades
@@ -157,8 +162,14 @@ private:
     Rack* rack_of(fem::HookId hook); ///< null: the hook has none
     std::array<fem::HookDrive, 2> drives_of(const Rack& rack) const;
     void open_rack(Rack& rack, double opening_mm);
-    std::array<double, 2> rack_forces(const Rack& rack, const std::map<fem::HookId, Vec3>& forces_N) const;
-    bool step_racks(const std::map<fem::HookId, Vec3>& forces_N);
+    struct HookNumbers {
+        Vec3 displacement = Vec3::Zero(), force_N = Vec3::Zero();
+        bool yielded = false;
+    };
+    void read_rack(Rack& rack);
+    bool is_stopped(const Rack& rack) const;
+    std::array<double, 2> rack_forces(const Rack& rack, const std::map<fem::HookId, HookNumbers>& numbers) const;
+    bool step_racks(const std::map<fem::HookId, HookNumbers>& numbers);
     bool linear_alone() const;
     void balance_linear(bool exactly);
     void balance_nonlinear(const Job& job);
@@ -183,7 +194,7 @@ private:
     void show_linear();
     void show_near();
     std::string shown_in_words() const;
-    void lost(const std::string& name);
+    void lose(fem::HookId hook);
     void take_off_lost();
     void renew_factor(const mesh::MeshDelta& delta);
     void swap_factor();
@@ -194,13 +205,10 @@ private:
     Eigen::VectorXd displacement_; ///< as shown
     Eigen::VectorXd linear_;
     double linear_residual_ = 0.0;
-    struct HookNumbers {
-        Vec3 displacement = Vec3::Zero(), force_N = Vec3::Zero();
-        bool yielded = false;
-    };
     std::map<fem::HookId, HookNumbers> linear_hooks_;
     std::vector<Rack> racks_;
     std::string stopped_; ///< hooks that met when they were last pulled
+    std::set<fem::HookId> stopped_hooks_; ///< the same
     std::string linear_meeting_; ///< hooks that block each other in the linear solution
     bool linear_settled_ = true;
     bool held_ = true; ///< no part has lost its support: the wall can be solved

@@ -661,6 +661,110 @@ namespace wound_hooks_test {
         }
     }
 
+    TEST(WoundHooks, ABladeThatIsDraggedLandsWhereItWasDraggedTo)
+    {
+        SurgerySession live_session = wound_with_retractor(35.0); // the lower lip is much stiffer
+        const fem::HookId upper = live_session.hooks().hooks[0].id;
+        live_session.crank(upper, 10.0);
+        settle(live_session);
+        for (const double wanted_mm : { 8.0, 8.5, 9.0 }) {
+            live_session.pull_hook(upper, Vec3(0.0, 0.0, wanted_mm));
+            settle(live_session);
+            EXPECT_NEAR(live_session.hooks().hooks[0].displacement.z(), wanted_mm, 0.3);
+        }
+    }
+
+    TEST(WoundHooks, UndoingTheCutTakesItsRetractorOffAndLeavesTheOthers)
+    {
+        SurgerySession live_session(layered_wall());
+        EXPECT_TRUE(draw(live_session, { 20.0, 0.0, 85.0 }, { 90.0, 0.0, 85.0 }).done);
+        EXPECT_TRUE(draw(live_session, { 20.0, 0.0, 35.0 }, { 90.0, 0.0, 35.0 }).done);
+        for (const double z : { 88.0, 38.0 })
+            ASSERT_TRUE(live_session.place_retractor(at(live_session, 55.0, z), small_retractor()).done);
+        ASSERT_EQ(live_session.hooks().retractors.size(), 2U);
+        EXPECT_EQ(live_session.hooks().hooks[2].name, "upper blade 2");
+        live_session.pull_all_hooks(3.0);
+        settle(live_session);
+        for (const RetractorState& retractor : live_session.hooks().retractors) {
+            EXPECT_NEAR(retractor.opening_mm, 6.0, 1e-9);
+            EXPECT_LE(retractor.imbalance, RackBalance::kTolerance);
+        }
+        (void)live_session.take_remark();
+        live_session.undo();
+        settle(live_session);
+        const HookReport report = live_session.hooks();
+        ASSERT_EQ(report.retractors.size(), 1U);
+        ASSERT_EQ(report.hooks.size(), 2U);
+        EXPECT_EQ(report.hooks[0].name, "upper blade");
+        EXPECT_EQ(live_session.take_remark(), "the small retractor has lost its tissue and was removed");
+        // Taken off and set again, it has a name of its own.
+        live_session.redo();
+        ASSERT_TRUE(live_session.place_retractor(at(live_session, 55.0, 38.0), small_retractor()).done);
+        EXPECT_EQ(live_session.hooks().hooks[2].name, "upper blade 3");
+    }
+
+    TEST(WoundHooks, ARetractorStaysWhenTheTensionIsChanged)
+    {
+        SurgerySession live_session = wound_with_retractor();
+        live_session.crank(live_session.hooks().hooks[0].id, 10.0);
+        settle(live_session);
+        const double without_N = live_session.hooks().retractors.at(0).force_N;
+        live_session.set_tension(0.04);
+        settle(live_session);
+        const HookReport report = live_session.hooks();
+        ASSERT_EQ(report.retractors.size(), 1U);
+        EXPECT_NEAR(report.retractors[0].opening_mm, 10.0, 1e-9);
+        EXPECT_LT(report.retractors[0].force_N, without_N) << "the tension opens the wound too";
+        EXPECT_LE(report.retractors[0].imbalance, RackBalance::kTolerance);
+    }
+
+    TEST(WoundHooks, ARetractorWhoseBladeIsStoppedSaysHowFarItIs)
+    {
+        SurgerySession live_session = wound_with_retractor(45.0);
+        const std::vector<HookState> blades = live_session.hooks().hooks;
+        live_session.crank(blades[0].id, 8.0);
+        settle(live_session);
+        live_session.crank(blades[0].id, -5.0);
+        settle(live_session);
+        EXPECT_EQ(live_session.hooks().retractors.at(0).opening_mm, 0.0) << "blades do not pass through each other";
+    }
+
+    SurgerySetup wall_with_planned_retractor(std::optional<double> force_N)
+    {
+        SurgerySetup setup = wall_with_planned_hooks({ .force_N = force_N }, 8.0);
+        RetractorSpec retractor { .kind = "midcab" };
+        retractor.force_N = force_N;
+        retractor.greatest_opening_mm = 90.0;
+        setup.approach.retractor = retractor;
+        return setup;
+    }
+
+    TEST(WoundHooks, APlannedRetractorHasItsRackAndFollowsItsShare)
+    {
+        SurgerySession live_session(wall_with_planned_retractor(std::nullopt));
+        EXPECT_TRUE(draw(live_session, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 20.0).done);
+        const KnifeAnswer answer = live_session.take_planned_hooks();
+        ASSERT_TRUE(answer.done) << answer.reason;
+        ASSERT_EQ(live_session.hooks().retractors.size(), 1U);
+        EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 12.0, 1e-9);
+        EXPECT_EQ(live_session.hooks().hooks[0].name, "planned upper blade");
+        live_session.pull_hooks_by_share(0.5);
+        settle(live_session);
+        EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 6.0, 1e-9);
+        EXPECT_LE(live_session.hooks().retractors[0].imbalance, RackBalance::kTolerance);
+        EXPECT_FALSE(live_session.take_planned_hooks().done) << "it is there already";
+    }
+
+    TEST(WoundHooks, APlannedRetractorThatPushesWithAForceHasNoRackAndSaysSo)
+    {
+        SurgerySession live_session(wall_with_planned_retractor(5.0));
+        EXPECT_TRUE(draw(live_session, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 20.0).done);
+        const KnifeAnswer answer = live_session.take_planned_hooks();
+        ASSERT_TRUE(answer.done) << answer.reason;
+        EXPECT_TRUE(live_session.hooks().retractors.empty());
+        EXPECT_NE(answer.reason.find("without a rack"), std::string::npos) << answer.reason;
+    }
+
     TEST(WoundHooks, ARetractorNeedsTwoLips)
     {
         SurgerySession live_session(layered_wall());

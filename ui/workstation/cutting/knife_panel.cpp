@@ -11,6 +11,7 @@
 #include <QLabel>
 #include <QListWidget>
 #include <QPushButton>
+#include <QScrollBar>
 #include <QSignalBlocker>
 #include <QSlider>
 #include <QStringList>
@@ -19,6 +20,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <utility>
 
@@ -106,10 +108,10 @@ namespace {
     /// A remark when only the tissue near the wound is computed well; otherwise empty.
     QString rough_remark(const planner::HookReport& report)
     {
-        return report.hooks.empty() || !report.rough_forces
+        return report.hooks.empty() || !(report.rough_forces || report.linear_only)
             ? QString()
-            : QString("⚠ These forces are rough: much tissue moves beyond what is computed exactly here. Plan the "
-                      "approach for better ones.");
+            : QString("⚠ These forces are rough: so wide an opening is not computed well here. Plan the approach for "
+                      "better ones.");
     }
 
     QString remarks(const planner::HookReport& report)
@@ -134,11 +136,18 @@ namespace {
     /// "Finochietto open 45 of 200 mm, 120 N on each blade".
     QString retractor_text(const planner::RetractorState& retractor)
     {
-        return QString("%1 open %2 of %3 mm, %4 on each blade")
+        constexpr double kSaidImbalance = 0.05; // below, one figure says it
+        const auto [first, second] = retractor.blade_N;
+        const QString forces = retractor.force_N < 0.0
+            ? QString("holds the lips back with %1").arg(newtons(-retractor.force_N))
+            : retractor.imbalance > kSaidImbalance
+            ? QString("%1 and %2 on its blades: not at rest").arg(newtons(first)).arg(newtons(second))
+            : newtons(retractor.force_N) + " on each blade";
+        return QString("%1 open %2 of %3 mm, %4")
             .arg(retractor_name(retractor.kind))
-            .arg(retractor.opening_mm, 0, 'f', 0)
+            .arg(std::max(0.0, retractor.opening_mm), 0, 'f', 0)
             .arg(retractor.greatest_opening_mm, 0, 'f', 0)
-            .arg(newtons(retractor.force_N));
+            .arg(forces);
     }
 
     /// Text of a hook: "left 1   12.3 of 15.0 mm, 60.0 N: yields".
@@ -208,6 +217,15 @@ namespace {
             + angle_remark(r);
     }
 
+    /// What the last cut in force did to the mesh; empty without one.
+    QString last_cut_text(const std::vector<planner::CutEntry>& cuts)
+    {
+        const auto last
+            = std::find_if(cuts.rbegin(), cuts.rend(), [](const planner::CutEntry& cut) { return cut.in_force; });
+        const QString text = last == cuts.rend() ? QString() : mesh_text(*last);
+        return text.isEmpty() ? text : text + '\n';
+    }
+
     QPushButton* add_button(
         QWidget& owner, QHBoxLayout& row, const QString& text, const QString& tip, const std::function<void()>& run)
     {
@@ -241,10 +259,12 @@ KnifePanel::KnifePanel(QWidget* parent)
     solver_->hide();
     column->addWidget(solver_);
     connect(technical_, &QCheckBox::toggled, solver_, &QWidget::setVisible);
-    for (QDoubleSpinBox* box : { depth_, yield_ })
-        box->installEventFilter(this);
+    for (QWidget* control :
+        std::initializer_list<QWidget*> { depth_, yield_, tension_, removal_, instrument_, opening_ })
+        control->installEventFilter(this);
     column->addStretch(1);
     setWidget(page);
+    setMinimumWidth(page->minimumSizeHint().width() + verticalScrollBar()->sizeHint().width());
     show_snapshot(nullptr, 0.0);
 }
 
@@ -324,6 +344,10 @@ QListWidget* KnifePanel::make_cut_list()
 /// is no number.
 bool KnifePanel::eventFilter(QObject* watched, QEvent* event)
 {
+    if (event->type() == QEvent::Wheel) { // scrolls the panel; it must not open a wound
+        event->ignore();
+        return true;
+    }
     if (event->type() == QEvent::ShortcutOverride) {
         const auto& key = *static_cast<QKeyEvent*>(event);
         const bool undo = key.key() == Qt::Key_Z && (key.modifiers() & Qt::ControlModifier) != 0;
@@ -405,9 +429,9 @@ QWidget* KnifePanel::make_hooks()
     connect(yield_, qOverload<double>(&QDoubleSpinBox::valueChanged), this,
         [this] { give(planner::surgery::SetYield { yield_N() }); });
     form->addRow("Yield at", yield_);
-    nonlinear_ = unfocused(new QCheckBox("Exact near the wound"),
-        "The tissue near the wound is computed with large rotations and strains when the mouse first rests. Without "
-        "this option, wide openings swell");
+    nonlinear_ = unfocused(new QCheckBox("Compute wide openings"),
+        "When the mouse rests, the tissue near the wound is computed for large movements. Without this option the lips "
+        "swell, and forces are wrong, where a wound opens by more than 20 to 30 mm");
     nonlinear_->setChecked(true);
     connect(nonlinear_, &QCheckBox::toggled, this, [this] { give(planner::surgery::SetNonlinear { nonlinear() }); });
     form->addRow("", nonlinear_);
@@ -416,12 +440,13 @@ QWidget* KnifePanel::make_hooks()
     const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
         return add_button(*this, *buttons, text, tip, run);
     };
-    planned_ = add("As planned", "Set the hooks of the approach and open them as planned",
+    planned_ = add("As planned", "Set the hooks or the retractor of the approach and open them as planned",
         [this] { give(planner::surgery::TakePlannedHooks {}); });
     hook_off_ = add("Take off", "Remove the hook, or the retractor, that is selected in the list",
         [this] { take_off_chosen_hook(); });
-    hooks_off_ = add("All off", "Remove all hooks. The wound closes, or gapes from the tension of the tissue",
-        [this] { give(planner::surgery::TakeOffHooks {}); });
+    hooks_off_
+        = add("All off", "Remove all hooks and retractors. The wound closes, or gapes from the tension of the tissue",
+            [this] { give(planner::surgery::TakeOffHooks {}); });
     column->addLayout(buttons);
     to_plan_ = unfocused(new QPushButton("Add as an approach"),
         "Adds a copy of the approach that is opened by this retractor as it is now: its place, kind and opening");
@@ -466,7 +491,7 @@ void KnifePanel::plan_chosen_retractor()
     Vec3 between = Vec3::Zero();
     for (const planner::HookState& hook : report_.hooks)
         if (std::ranges::find(retractor->blades, hook.id) != retractor->blades.end())
-            between += 0.5 * hook.placement.centre;
+            between += 0.5 * (hook.placement.centre - 0.5 * hook.placement.height_mm * hook.placement.inward);
     on_plan_retractor(*retractor, between);
 }
 
@@ -506,7 +531,7 @@ void KnifePanel::set_opening(int value, bool by_share)
 {
     const QSignalBlocker quiet(opening_);
     by_share_ = by_share;
-    opening_->setRange(0, by_share ? 100 : kWidestMm);
+    opening_->setRange(0, by_share ? 100 : widest_mm_);
     opening_->setValue(value);
     opening_->setToolTip(by_share ? "Opens all planned hooks to this percentage of their planned force or "
                                     "displacement. A hook that you dragged with the mouse stays where it is"
@@ -531,6 +556,9 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
         hook_ids_.push_back(hook.id);
     }
     report_ = report;
+    widest_mm_ = kWidestMm;
+    for (const planner::RetractorState& retractor : report.retractors)
+        widest_mm_ = std::max(widest_mm_, static_cast<int>(std::ceil(0.5 * retractor.greatest_opening_mm)));
     to_plan_->setVisible(!report.retractors.empty());
     hooks_->setVisible(count > 0);
     hooks_->setFixedHeight(
@@ -540,7 +568,7 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
             snapshot->cuts.begin(), snapshot->cuts.end(), [](const planner::CutEntry& cut) { return cut.in_force; });
     planned_->setEnabled(wound && !snapshot->stroke_open && snapshot->planned_hooks > 0);
     planned_->setToolTip(!ready || snapshot->planned_hooks > 0
-            ? "Set the hooks of the approach and open them as planned"
+            ? "Set the hooks or the retractor of the approach and open them as planned"
             : "The approach has no hooks");
     opening_->setEnabled(count > 0);
     hook_off_->setEnabled(count > 0);
@@ -651,7 +679,6 @@ void KnifePanel::show_snapshot(const planner::SurgerySnapshot* snapshot, double 
         const QString text = entry_text(cut) + (cut.in_force ? "" : "\nundone");
         if (item->text() != text)
             item->setText(text);
-        item->setToolTip(mesh_text(cut));
         item->setForeground(cut.in_force ? QColor(0xe4, 0xe8, 0xeb) : QColor(0x6d, 0x75, 0x7d));
     }
     if (!ready)
@@ -662,7 +689,7 @@ void KnifePanel::show_snapshot(const planner::SurgerySnapshot* snapshot, double 
                             .arg(snapshot->gape_mm, 0, 'f', 1)
                             .arg(snapshot->moving ? ", still opening" : ""));
     solver_->setText(!ready ? QString()
-                            : solver_text(snapshot->hooks)
+                            : last_cut_text(snapshot->cuts) + solver_text(snapshot->hooks)
                 + QString("step %1 ms, surface %2 ms, opening %3 ms, picture %4 ms")
                       .arg(snapshot->step_ms, 0, 'f', 1)
                       .arg(snapshot->picture_ms, 0, 'f', 1)

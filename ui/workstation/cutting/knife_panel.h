@@ -105,6 +105,7 @@ private:
     QListWidget* hooks_ = nullptr;
     std::vector<fem::HookId> hook_ids_; ///< id of each entry of the list
     planner::HookReport report_; ///< that is shown
+    int widest_mm_ = 0; ///< to which the slider opens, on each side
     QPushButton *planned_ = nullptr, *to_plan_ = nullptr, *hook_off_ = nullptr, *hooks_off_ = nullptr;
     QLabel *numbers_ = nullptr, *refusal_ = nullptr;
 };

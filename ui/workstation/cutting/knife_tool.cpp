@@ -271,6 +271,8 @@ bool KnifeTool::abandon()
 
 void KnifeTool::run(planner::surgery::Command command)
 {
+    if (!std::holds_alternative<planner::surgery::Crank>(command))
+        cranked_.since.invalidate(); // the next notch goes on from what this leaves
     const bool history = std::holds_alternative<planner::surgery::Undo>(command)
         || std::holds_alternative<planner::surgery::Redo>(command)
         || std::holds_alternative<planner::surgery::GoTo>(command);
@@ -555,22 +557,25 @@ void KnifeTool::press(const QPointF& at)
     line_ = { touched->shown };
 }
 
-bool KnifeTool::wheel(double notches)
+bool KnifeTool::wheel(const QPointF& at, double notches)
 {
     constexpr double kMmPerNotch = 2.0; // about a tooth of a rack
     constexpr qint64 kSameTurnMs = 1000;
     if (mode_ != KnifeMode::hooks || !wall_is_shown())
         return false;
-    const planner::HookReport& report = snapshot()->hooks;
-    const planner::HookState* under = hook_under(view_.ray_at(hover_), feel_wall(hover_));
-    if (under == nullptr)
+    // Notches that follow each other crank the same retractor, even when its blade has moved away from the mouse, and
+    // go on from the last one: the wound that is shown may be older.
+    const bool goes_on = cranked_.since.isValid() && cranked_.since.elapsed() < kSameTurnMs;
+    std::optional<fem::HookId> blade;
+    if (goes_on)
+        blade = cranked_.blade;
+    else if (const planner::HookState* under = hook_under(view_.ray_at(at), feel_wall(at)))
+        blade = under->id;
+    if (!blade)
         return false;
-    for (const planner::RetractorState& retractor : report.retractors)
-        if (is_blade_of(retractor, under->id)) {
-            // Notches that follow each other go on from the last one: the wound that is shown may be older.
-            const bool goes_on = cranked_.blade == retractor.blades[0] && cranked_.since.isValid()
-                && cranked_.since.elapsed() < kSameTurnMs;
-            cranked_.blade = retractor.blades[0];
+    for (const planner::RetractorState& retractor : snapshot()->hooks.retractors)
+        if (is_blade_of(retractor, *blade)) {
+            cranked_.blade = *blade;
             cranked_.opening_mm
                 = std::clamp((goes_on ? cranked_.opening_mm : retractor.opening_mm) + kMmPerNotch * notches, 0.0,
                     retractor.greatest_opening_mm);
@@ -583,7 +588,6 @@ bool KnifeTool::wheel(double notches)
 
 void KnifeTool::move(const QPointF& at, bool held)
 {
-    hover_ = at;
     if (mode_ == KnifeMode::line && first_) {
         // Draws a straight line over the skin to the mouse.
         line_.clear();

@@ -83,7 +83,7 @@ private:
     void press(const QPointF& at) override;
     void move(const QPointF& at, bool held) override;
     void release(const QPointF& at) override;
-    bool wheel(double notches) override;
+    bool wheel(const QPointF& at, double notches) override;
 
     void say(const std::string& text, bool refused) const;
     Session* shown();
@@ -126,7 +126,6 @@ private:
     bool drawing_ = false; ///< a stroke is open, and its button is down
     std::size_t stroke_ = 0; ///< number of the last stroke
     QPointF last_; ///< last position of the mouse
-    QPointF hover_; ///< where the mouse was last, with or without a button
     std::optional<QPointF> first_; ///< line mode: the first click
     struct Grip {
         fem::HookId hook = 0;

@@ -155,7 +155,7 @@ void TouchTool::release(const QPointF&)
     }
 }
 
-bool TouchTool::wheel(double notches)
+bool TouchTool::wheel(const QPointF&, double notches)
 {
     if (!held_)
         return false;

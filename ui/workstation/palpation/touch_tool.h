@@ -54,7 +54,7 @@ private:
     void press(const QPointF& at) override;
     void move(const QPointF& at, bool held) override;
     void release(const QPointF& at) override;
-    bool wheel(double notches) override;
+    bool wheel(const QPointF& at, double notches) override;
 
     std::optional<planner::SurfacePlace> under(const QPointF& at) const;
     void put(std::size_t finger, bool hops);

@@ -8,7 +8,7 @@ namespace retractor::ui {
 /// drawings take too long; finer again, at rest, where they were quick.
 class MovingResolution {
 public:
-    /// Pixels drawn for each of the screen's, along each side: 1, or 1 / sqrt(2), ... down to 0.5.
+    /// Pixels drawn for each of the screen's, along each side: 0.5 to 1.
     double scale() const { return scale_; }
     /// Begins with what a drawing with all pixels takes (ms). @return whether the scale has changed
     bool begin(double ms);

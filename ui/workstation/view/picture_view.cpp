@@ -28,6 +28,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -74,7 +75,7 @@ namespace {
 
 } // namespace
 
-bool PictureTool::wheel(double) { return false; }
+bool PictureTool::wheel(const QPointF&, double) { return false; }
 
 struct PictureView::Drawn {
     vtkSmartPointer<vtkGenericOpenGLRenderWindow> window = vtkSmartPointer<vtkGenericOpenGLRenderWindow>::New();
@@ -247,7 +248,7 @@ void PictureView::set_pixel_ratio(double ratio)
     const double before = effectiveDevicePixelRatio();
     if (ratio == before)
         return;
-    setCustomDevicePixelRatio(ratio);
+    setCustomDevicePixelRatio(ratio == devicePixelRatioF() ? 0.0 : ratio); // 0: as Qt has it, on each screen
     drawn_->window->SetSize(
         static_cast<int>(std::lround(ratio * width())), static_cast<int>(std::lround(ratio * height())));
     // A drag goes on from where the mouse is, in the new pixels.
@@ -260,7 +261,9 @@ void PictureView::set_pixel_ratio(double ratio)
 bool PictureView::measure_drawing()
 {
     // An empty scene says nothing.
-    if (measured_ || std::all_of(scenes_->begin(), scenes_->end(), [](const Scene& s) { return s.surfaces.empty(); }))
+    if (measured_ || std::all_of(scenes_->begin(), scenes_->end(), [](const Scene& scene) {
+            return scene.surfaces.empty() && scene.volumes.empty();
+        }))
         return false;
     measured_ = true;
     makeCurrent();
@@ -389,10 +392,12 @@ void PictureView::draw_now()
     makeCurrent();
     move_linked();
     add_live();
+    const Stopwatch drawing;
     drawn_->window->Render();
+    const double render_ms = 1e3 * drawing.seconds(); // slices that are cut anew take time too, at any resolution
     update();
     draw_ms_ = 1e3 * watch.seconds();
-    if (can_rest() && !saving_ && is_drawn() && moving_.drawn(draw_ms_)) {
+    if (can_rest() && !saving_ && is_drawn() && moving_.drawn(render_ms)) {
         build(true);
         rest_timer_.start(kRestMs); // the motion goes on
     }
@@ -532,7 +537,9 @@ bool PictureView::event(QEvent* event)
             click_in_space(*static_cast<QMouseEvent*>(event));
         break;
     case QEvent::Wheel:
-        if (tool_ != nullptr && tool_->wheel(static_cast<QWheelEvent*>(event)->angleDelta().y() / kNotch)) {
+        if (const auto& wheel = *static_cast<QWheelEvent*>(event); tool_ != nullptr
+            && (wheel.modifiers() & Qt::ControlModifier) == 0
+            && tool_->wheel(wheel.position(), wheel.angleDelta().y() / kNotch)) {
             event->accept();
             return true;
         }

@@ -38,8 +38,8 @@ public:
     virtual void move(const QPointF& at, bool held) = 0;
     virtual void release(const QPointF& at) = 0;
     /// @param notches away from the user
-    /// @return whether the tool used the wheel; otherwise the camera gets it
-    virtual bool wheel(double notches);
+    /// @return whether the tool used the wheel; otherwise the camera gets it, as always with Ctrl
+    virtual bool wheel(const QPointF& at, double notches);
 };
 
 /// A place on a slice that the left button drags.

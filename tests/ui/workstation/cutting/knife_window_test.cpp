@@ -282,7 +282,7 @@ namespace knife_window_test {
         ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
         press(Qt::Key_H);
         QComboBox& instruments = window_->knife_panel().instruments();
-        instruments.setCurrentIndex(instruments.findData(QString("midcab")));
+        instruments.setCurrentIndex(instruments.findData(QString("finochietto")));
         mouse_down(pixel(0.0, 3.0));
         mouse_up(pixel(0.0, 3.0));
         wait_until_idle();
@@ -309,7 +309,7 @@ namespace knife_window_test {
         wait_until_idle();
         EXPECT_NEAR(snapshot().hooks.retractors.at(0).opening_mm, dragged.opening_mm + 6.0, 1e-9);
         EXPECT_GT(snapshot().hooks.retractors.at(0).force_N, dragged.force_N);
-        EXPECT_TRUE(window_->knife_panel().hook_numbers().contains("MIDCAB open 1"))
+        EXPECT_TRUE(window_->knife_panel().hook_numbers().contains("Finochietto open 1"))
             << window_->knife_panel().hook_numbers().toStdString();
         window_->save_screenshot(picture_folder() / "workstation_retractor.png");
         // It becomes an approach to plan, and the wound is still there.
@@ -320,7 +320,7 @@ namespace knife_window_test {
         ASSERT_EQ(window_->model()->planned_case().approaches.size(), before + 1) << error();
         const planner::Approach& added = window_->model()->planned_case().approaches.back();
         ASSERT_TRUE(added.retractor.has_value());
-        EXPECT_EQ(added.retractor->kind, "midcab");
+        EXPECT_EQ(added.retractor->kind, "finochietto");
         EXPECT_EQ(added.retractor->opening_mm, std::round(cranked_mm));
         window_->select("median");
         press(Qt::Key_H);
@@ -574,12 +574,17 @@ namespace knife_window_test {
         grazing.report.tets_below_half_parent = 4;
         flat_before.report.worst_dihedral_deg = 2.0;
         flat_before.report.worst_dihedral_before_deg = 3.0;
-        snapshot.cuts = { fine, grazing, flat_before };
-        panel.show_snapshot(&snapshot, 0.0);
-        EXPECT_FALSE(panel.list().item(0)->toolTip().contains("flatter"));
-        EXPECT_TRUE(panel.list().item(1)->toolTip().contains("flatter than 5°: the cut passes close to"));
-        EXPECT_TRUE(
-            panel.list().item(2)->toolTip().contains("flatter than 5°: the elements were flat before the cut (3°)"));
+        for (const auto& [cut, why] :
+            { std::pair { fine, QString() }, std::pair { grazing, QString("flatter than 5°: the cut passes close to") },
+                std::pair { flat_before, QString("flatter than 5°: the elements were flat before the cut (3°)") } }) {
+            snapshot.cuts = { cut };
+            panel.show_snapshot(&snapshot, 0.0);
+            EXPECT_FALSE(panel.list().item(0)->text().contains("flatter")) << "a surgeon need not read it";
+            if (why.isEmpty())
+                EXPECT_FALSE(panel.technical_text().contains("flatter"));
+            else
+                EXPECT_TRUE(panel.technical_text().contains(why)) << panel.technical_text().toStdString();
+        }
     }
 
     TEST(KnifePanelText, PlannedHooksNeedAWoundAndForcesBeyondAnyRetractorAreMarked)

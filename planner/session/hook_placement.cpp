@@ -135,7 +135,7 @@ namespace {
     {
         const VertexId vertex = nearest_on_edge(surface, edges.edge, edges.meeting, at);
         if (vertex < 0) {
-            why_not = "there is no wound within 20 mm of here: press on its edge";
+            why_not = "there is no wound within 20 mm of here: press on the skin beside its edge";
             return std::nullopt;
         }
         const auto lip = lip_of(lips, vertex);
@@ -238,6 +238,23 @@ namespace {
         return false;
     }
 
+    /// Whether a lip lies under both halves of a blade. @return false, with the reason, where the blade is longer than
+    /// the wound
+    bool reaches_both_ends(const WallSurface& surface, const HookPlacement& blade, std::string& why_not)
+    {
+        constexpr double kShare = 0.5; // of each half: a mesh is coarse, and a short wound is held by a broad blade
+        double least = 0.0, most = 0.0;
+        for (const VertexId v : blade.nodes) {
+            const double along = (place(surface, v) - blade.centre).dot(blade.along);
+            least = std::min(least, along);
+            most = std::max(most, along);
+        }
+        const bool reaches = std::min(-least, most) >= kShare * 0.5 * blade.width_mm;
+        if (!reaches)
+            why_not = "the blade would reach beyond the end of the wound: press nearer to its middle";
+        return reaches;
+    }
+
     /// The mean direction into the body near a place; on the inner side of the wall, against `outward`.
     Vec3 into_body(const Touch& at, const Vec3& outward)
     {
@@ -310,7 +327,8 @@ std::array<HookPlacement, 2> find_blade_placements(const WallSurface& surface, s
     const Vec3 rack = apart.normalized();
     for (std::size_t i = 0; i < 2; ++i) {
         turn_to_pull(blades[i], i == 0 ? rack : Vec3(-rack), into_body(at, outward));
-        if (!take_nodes(surface, lips, *edges, held, grips[i].vertex, blades[i], why_not)) {
+        if (!take_nodes(surface, lips, *edges, held, grips[i].vertex, blades[i], why_not)
+            || !reaches_both_ends(surface, blades[i], why_not)) {
             blades[0].nodes.clear();
             return blades;
         }

@@ -499,7 +499,7 @@ void MainWindow::make_knife()
     knife_->on_change = [this] { show_all(); };
     knife_->on_answer = [this](const std::string& text, bool refused) {
         if (refused)
-            show_error({ text, "knife" });
+            show_error({ text, {} });
         else if (text.empty())
             clear_error();
         else

@@ -770,6 +770,9 @@ namespace wound_hooks_test {
         SurgerySession live_session(layered_wall());
         EXPECT_FALSE(live_session.place_retractor(at(live_session, 60.0, 48.0), small_retractor()).done);
         EXPECT_TRUE(draw(live_session, { 30.0, 0.0, 45.0 }, { 90.0, 0.0, 45.0 }).done);
+        const KnifeAnswer end = live_session.place_retractor(at(live_session, 88.0, 48.0), small_retractor());
+        EXPECT_FALSE(end.done);
+        EXPECT_NE(end.reason.find("beyond the end of the wound"), std::string::npos) << end.reason;
         const KnifeAnswer far = live_session.place_retractor(at(live_session, 60.0, 100.0), small_retractor());
         EXPECT_FALSE(far.done);
         EXPECT_NE(far.reason.find("no wound within"), std::string::npos) << far.reason;

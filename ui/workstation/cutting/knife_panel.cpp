@@ -21,6 +21,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -110,8 +111,8 @@ namespace {
     {
         return report.hooks.empty() || !(report.rough_forces || report.linear_only)
             ? QString()
-            : QString("⚠ These forces are rough: so wide an opening is not computed well here. Plan the approach for "
-                      "better ones.");
+            : QString("⚠ Do not rely on these forces: more of the wall moves than is computed well here. Plan the "
+                      "approach for better ones.");
     }
 
     QString remarks(const planner::HookReport& report)
@@ -122,7 +123,7 @@ namespace {
         return said.join('\n');
     }
 
-    QString newtons(double force_N) { return QString("%1 N").arg(force_N, 0, 'f', force_N < 10.0 ? 2 : 1); }
+    QString newtons(double force_N) { return QString("%1 N").arg(force_N, 0, 'f', std::abs(force_N) < 10.0 ? 1 : 0); }
 
     /// "Finochietto", from "finochietto".
     QString retractor_name(const std::string& kind)
@@ -344,7 +345,8 @@ QListWidget* KnifePanel::make_cut_list()
 /// is no number.
 bool KnifePanel::eventFilter(QObject* watched, QEvent* event)
 {
-    if (event->type() == QEvent::Wheel) { // scrolls the panel; it must not open a wound
+    const bool of_page = watched == widget() || watched == viewport() || qobject_cast<QScrollBar*>(watched) != nullptr;
+    if (event->type() == QEvent::Wheel && !of_page) { // scrolls the panel; it must not open a wound
         event->ignore();
         return true;
     }
@@ -475,7 +477,7 @@ void KnifePanel::take_off_chosen_hook()
         give(planner::surgery::TakeOffHook { hook_ids_[static_cast<std::size_t>(row)] });
 }
 
-/// Of several retractors the one that is selected in the list, else the first.
+/// Of several retractors the one that is selected in the list, else the one that was set last.
 void KnifePanel::plan_chosen_retractor()
 {
     if (report_.retractors.empty() || !on_plan_retractor)
@@ -487,7 +489,7 @@ void KnifePanel::plan_chosen_retractor()
         return std::ranges::find(state.blades, chosen) != state.blades.end();
     });
     if (retractor == report_.retractors.end())
-        retractor = report_.retractors.begin();
+        retractor = std::prev(report_.retractors.end());
     Vec3 between = Vec3::Zero();
     for (const planner::HookState& hook : report_.hooks)
         if (std::ranges::find(retractor->blades, hook.id) != retractor->blades.end())

@@ -238,8 +238,10 @@ void KnifeTool::clear()
 
 void KnifeTool::set_mode(KnifeMode mode)
 {
-    if (mode != mode_)
+    if (mode != mode_) {
         end_stroke();
+        say({}, false); // what the tool before refused
+    }
     mode_ = mode;
     view_.set_tool(mode == KnifeMode::away ? nullptr : this);
     if (drawn_surface_ != nullptr)

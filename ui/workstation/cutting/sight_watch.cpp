@@ -104,7 +104,8 @@ QString SightWatch::text() const
     if (!seen_)
         return newest_ != nullptr ? "Measuring what is seen of the target …" : QString();
     std::string text = "The best eye sees " + planner::two_digits(100.0 * seen_->seen_fraction) + " % of the target"
-        + formatted(" (\u00b1 %.0f; hooks and blades hide nothing here)", std::max(1.0, 100.0 * seen_->sampling_error));
+        + formatted(
+            " (\u00b1 %.0f; not counted: what hooks and blades hide)", std::max(1.0, 100.0 * seen_->sampling_error));
     if (seen_->seen_fraction > 0.0)
         text += formatted(", %.0f\u00b0 off the straight view", seen_->off_straight_deg);
     if (newest_ != measured_)

@@ -49,8 +49,7 @@ struct RetractorState {
     std::array<fem::HookId, 2> blades {};
     double opening_mm = 0.0; ///< of the rack, from where the lips met
     double greatest_opening_mm = 0.0;
-    std::array<double, 2>
-        blade_N {}; ///< by which the rack pushes each blade outwards; negative: it holds the lips back
+    std::array<double, 2> blade_N {}; ///< pushes of the rack on each blade, outwards; negative: it holds the lip back
     double force_N = 0.0; ///< mean of the two blades' forces
     double imbalance = 0.0; ///< difference of the blades' forces along the rack, relative to the larger one
 };

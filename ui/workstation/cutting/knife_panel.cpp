@@ -123,7 +123,13 @@ namespace {
         return said.join('\n');
     }
 
-    QString newtons(double force_N) { return QString("%1 N").arg(force_N, 0, 'f', std::abs(force_N) < 10.0 ? 1 : 0); }
+    /// "2.1 N", "120 N"; a force that no hand and no instrument has, as where uncut bone is pulled apart, is no number.
+    QString newtons(double force_N)
+    {
+        const double size = std::abs(force_N);
+        return size <= 2.0 * kStrongestN ? QString("%1 N").arg(force_N, 0, 'f', size < 10.0 ? 1 : 0)
+                                         : QString("more than %1 N").arg(2.0 * kStrongestN, 0, 'f', 0);
+    }
 
     /// "Finochietto", from "finochietto".
     QString retractor_name(const std::string& kind)
@@ -455,6 +461,8 @@ QWidget* KnifePanel::make_hooks()
     connect(to_plan_, &QPushButton::clicked, this, [this] { plan_chosen_retractor(); });
     column->addWidget(to_plan_);
     hooks_ = new QListWidget;
+    hooks_->setWordWrap(true);
+    hooks_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
     hooks_->setToolTip(
         "Select the hook tool with H. Press on the edge of a wound to set a hook or a retractor; drag it to pull");
     column->addWidget(hooks_);

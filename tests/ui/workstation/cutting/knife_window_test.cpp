@@ -605,6 +605,7 @@ namespace knife_window_test {
         EXPECT_EQ(panel.hook_warning(), "");
         snapshot.hooks.side_N = { 60.0, 6000.0 };
         panel.show_snapshot(&snapshot, 0.0);
+        EXPECT_EQ(panel.hook_numbers(), "60 N on one side, more than 1000 N on the other");
         EXPECT_TRUE(panel.hook_warning().contains("no retractor pulls this hard"))
             << panel.hook_warning().toStdString();
         EXPECT_FALSE(panel.hook_warning().contains("tissue bears"));

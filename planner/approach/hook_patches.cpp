@@ -2,13 +2,42 @@
 
 #include "fem/statics/hook.h"
 #include "mesh/base/error.h"
+#include "mesh/base/triangle.h"
+#include "mesh/surface/proximity.h"
 #include "planner/approach/bearing_points.h"
 
 #include <array>
+#include <limits>
 #include <map>
 #include <set>
 
 namespace retractor::planner {
+
+namespace {
+
+    /// Whether a vertex lies in the tissue behind a lip, or on it. A point of bone a fraction of a millimetre behind
+    /// the planned cut lies before a lip that was cut by hand a millimetre away, in the tissue of the other lip: a hook
+    /// that held it would pull the two lips through each other.
+    bool lies_behind(const mesh::TetMesh& wall, std::span<const std::array<VertexId, 3>> lip, VertexId vertex)
+    {
+        constexpr double kOnLipMm = 1e-6; // far above the round-off of positions, far below any element
+        const Vec3 at = point_at(wall.vertices, vertex);
+        double nearest = std::numeric_limits<double>::infinity(), behind = 0.0;
+        for (const std::array<VertexId, 3>& face : lip) {
+            const std::array corners { point_at(wall.vertices, face[0]), point_at(wall.vertices, face[1]),
+                point_at(wall.vertices, face[2]) };
+            const mesh::ClosestPoint closest = mesh::closest_on_triangle(at, corners[0], corners[1], corners[2]);
+            if (closest.distance < nearest) {
+                nearest = closest.distance;
+                const Vec3 foot = closest.barycentric[0] * corners[0] + closest.barycentric[1] * corners[1]
+                    + closest.barycentric[2] * corners[2];
+                behind = -area_vector(wall.vertices, face).normalized().dot(at - foot);
+            }
+        }
+        return behind >= -kOnLipMm;
+    }
+
+} // namespace
 
 std::vector<fem::HookPatch> hook_patches(const mesh::TetMesh& wall, std::span<const mesh::LipFace> lips,
     const Approach& approach, const mesh::LabelTable& table, const fem::Supports& supports)
@@ -27,7 +56,8 @@ std::vector<fem::HookPatch> hook_patches(const mesh::TetMesh& wall, std::span<co
             place.along, place.depth, spec.patch_width_mm, spec.patch_height_mm, spec.name);
         std::set<VertexId> nodes(on_lip.begin(), on_lip.end());
         for (const VertexId v : bearing_vertices(wall, table, spec))
-            nodes.insert(v);
+            if (lies_behind(wall, lip_of_side[spec.side], v))
+                nodes.insert(v);
         // Where the cut ends inside the tissue, both lips share their vertices. No hook can hold these vertices.
         const std::set<VertexId>& other_lip = vertices_of_side[-spec.side];
         std::erase_if(nodes, [&](VertexId v) { return other_lip.contains(v) || held.contains(v); });

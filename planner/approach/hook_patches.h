@@ -13,7 +13,7 @@
 namespace retractor::planner {
 
 /// One patch per hook of the approach: nodes of the hook's lip, and the nodes nearest to the points of bone on which
-/// the hook bears (HookSpec::bearing).
+/// the hook bears (HookSpec::bearing), as far as they lie behind that lip.
 /// @param lips faces of `wall` on the incision's two sides
 /// @throws InputError naming the hook, when fewer than three free nodes lie under it
 std::vector<fem::HookPatch> hook_patches(const mesh::TetMesh& wall, std::span<const mesh::LipFace> lips,

@@ -261,6 +261,28 @@ namespace {
         return at.inward.dot(outward) > 0.0 ? Vec3(-outward) : at.inward;
     }
 
+    /// Numbers the lips as the plan of a hook does: the hook's side is the lip that looks against its pull. A line that
+    /// was drawn by hand may run either way, and each face by itself may look anywhere, because a lip is as rough as
+    /// the mesh: a lip as a whole decides, by its faces near the hook.
+    void number_lips_for(
+        const HookSpec& spec, const Vec3& centre, const mesh::TetMesh& wall, std::vector<mesh::LipFace>& lips)
+    {
+        const auto against_pull = [&](const mesh::LipFace& lip) {
+            return -area_vector(wall.vertices, mesh::face_vertices(wall, lip.face)).dot(spec.direction);
+        };
+        const double near = std::max(spec.patch_width_mm, spec.patch_height_mm);
+        std::map<int, double> of_cut; // > 0: side +1 of the cut looks against the pull
+        for (const mesh::LipFace& lip : lips)
+            if (const Vec3 corner = wall.vertices.row(mesh::face_vertices(wall, lip.face)[0]);
+                (corner - centre).norm() < near)
+                of_cut[lip.cut] += lip.side * against_pull(lip);
+        for (mesh::LipFace& lip : lips) {
+            const double looks
+                = lip.side != 0 ? lip.side * of_cut[lip.cut] : against_pull(lip); // 0: bared by taking tissue out
+            lip.side = looks > 0.0 ? spec.side : -spec.side;
+        }
+    }
+
     Vec3 mean_direction(const Approach& approach)
     {
         Vec3 sum = Vec3::Zero();
@@ -347,14 +369,10 @@ PlannedPlacements planned_placements(const mesh::CutSession& session, const Appr
         if (const auto id = static_cast<std::size_t>(map.vertex_slot[v]); id < held.size() && held[id] != 0)
             supports.fixed.push_back(static_cast<VertexId>(v));
     for (const HookSpec& spec : approach.hooks) {
-        // A line that was drawn by hand may run either way. The pull direction of the hook tells which lip it belongs
-        // to.
         std::vector<mesh::LipFace> lips = session.lips();
-        for (mesh::LipFace& lip : lips) {
+        for (mesh::LipFace& lip : lips)
             lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
-            const Vec3 area = area_vector(wall.vertices, mesh::face_vertices(wall, lip.face));
-            lip.side = area.dot(spec.direction) < 0.0 ? spec.side : -spec.side;
-        }
+        number_lips_for(spec, patch_place(approach, spec).centre, wall, lips);
         Approach one = approach;
         one.hooks = { spec };
         try {

@@ -3,6 +3,7 @@
 #include "fem/linear_algebra/sparse_cholesky.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
+#include "planner/approach/bearing_points.h"
 #include "planner/session/surgery_session.h"
 #include "planner/session/surgery_worker.h"
 #include "tests/planner/session/layered_wall.h"
@@ -34,10 +35,11 @@ namespace wound_hooks_test {
         return *found;
     }
 
-    KnifeAnswer draw(SurgerySession& live_session, const Vec3& from, const Vec3& to, double depth_mm = 15.0)
+    KnifeAnswer draw(
+        SurgerySession& live_session, const Vec3& from, const Vec3& to, double depth_mm = 15.0, bool saws = false)
     {
-        if (KnifeAnswer begun
-            = live_session.begin_stroke(at(live_session, from.x(), from.z()), { .depth_mm = depth_mm });
+        if (KnifeAnswer begun = live_session.begin_stroke(
+                at(live_session, from.x(), from.z()), { .depth_mm = depth_mm, .cuts_bone = saws });
             !begun.done)
             return begun;
         const int points = std::max(1, static_cast<int>((to - from).norm() / 2.0));
@@ -753,6 +755,37 @@ namespace wound_hooks_test {
         EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 6.0, 1e-9);
         EXPECT_LE(live_session.hooks().retractors[0].imbalance, RackBalance::kTolerance);
         EXPECT_FALSE(live_session.take_planned_hooks().done) << "it is there already";
+    }
+
+    TEST(WoundHooks, APlannedBladeHoldsNoBoneBeyondACutThatMissedItsLine)
+    {
+        const auto force_with = [](bool bears) {
+            SurgerySetup setup = wall_with_planned_retractor(std::nullopt);
+            for (TetId t = 0; t < static_cast<TetId>(setup.wall.tet_count()); ++t) {
+                Vec3 middle = Vec3::Zero();
+                for (const VertexId v : setup.wall.tet(t))
+                    middle += 0.25 * setup.wall.vertices.row(v).transpose();
+                if (middle.y() > 5.0 && middle.y() < 15.0)
+                    setup.wall.labels[static_cast<std::size_t>(t)] = kBone;
+            }
+            if (bears) // a layer of bone is sawn, and each blade bears on its own half, at the planned line
+                for (HookSpec& blade : setup.approach.hooks)
+                    blade.bearing = { Vec3(60.0, 5.0, 60.0) + blade.direction };
+            insert_bearing_points(setup.wall, setup.labels, setup.approach);
+            SurgerySession live_session(std::move(setup));
+            EXPECT_TRUE(draw(live_session, { 30.0, 0.0, 62.5 }, { 90.0, 0.0, 62.5 }, 20.0, true).done);
+            EXPECT_TRUE(live_session.take_planned_hooks().done);
+            settle(live_session);
+            for (const HookState& blade : live_session.hooks().hooks)
+                for (const VertexId v : blade.placement.nodes)
+                    EXPECT_GE((live_session.picture()->surface->rest.row(v).transpose() - Vec3(0.0, 0.0, 62.5))
+                                  .dot(blade.placement.pull),
+                        -0.1)
+                        << "the lip lies 2.5 mm beside the plan, and is as straight as the mesh lets it";
+            return live_session.hooks().retractors.at(0).force_N;
+        };
+        // A node of one blade on the other's half of the bone makes the force a thousand times as large.
+        EXPECT_NEAR(force_with(true), force_with(false), 0.3 * force_with(false));
     }
 
     TEST(WoundHooks, APlannedRetractorThatPushesWithAForceHasNoRackAndSaysSo)

@@ -5,6 +5,7 @@
 #include "mesh/base/error.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -64,17 +65,22 @@ namespace {
     /// (1 + R M)^-1 R F, with the force of each hook in a column of F.
     class YieldSearch {
     public:
+        /// @param R, at_targets of the rows that the hooks prescribe: one of a hook along which only it prescribes,
+        /// three of another
         YieldSearch(const Eigen::MatrixXd& R, Eigen::VectorXd at_targets, const std::vector<HookDrive>& drives)
             : R_(R)
             , at_targets_(std::move(at_targets))
             , grip_(at_targets_.size())
         {
+            Eigen::Index at = 0;
             for (std::size_t h = 0; h < drives.size(); ++h) {
-                const auto at = 3 * static_cast<Eigen::Index>(h);
-                grip_.segment<3>(at).setConstant(1.0 / drives[h].grip_N_per_mm);
+                const Eigen::Index rows = drives[h].only_along ? 1 : 3;
+                grip_.segment(at, rows).setConstant(1.0 / drives[h].grip_N_per_mm);
                 if (std::isfinite(drives[h].force_limit_N))
-                    may_yield_.push_back({ h, at, drives[h].force_limit_N });
+                    may_yield_.push_back({ h, at, rows, drives[h].force_limit_N });
+                at += rows;
             }
+            RETRACTOR_ASSERT(at == at_targets_.size());
             rho_ = Eigen::VectorXd::Zero(count());
         }
 
@@ -113,19 +119,19 @@ namespace {
     private:
         struct Limited {
             std::size_t hook = 0;
-            Eigen::Index at = 0; ///< first row of the hook
+            Eigen::Index at = 0, rows = 3; ///< first row of the hook, and number of rows
             double limit_N = 0.0;
         };
 
         Eigen::Index count() const { return static_cast<Eigen::Index>(may_yield_.size()); }
         const Limited& limited(Eigen::Index i) const { return may_yield_[static_cast<std::size_t>(i)]; }
-        Vec3 force_of(Eigen::Index i) const { return force_.segment<3>(limited(i).at); }
+        Eigen::VectorXd force_of(Eigen::Index i) const { return force_.segment(limited(i).at, limited(i).rows); }
 
         Eigen::VectorXd yielding(const Eigen::VectorXd& rho) const
         {
             Eigen::VectorXd M = grip_;
             for (Eigen::Index i = 0; i < count(); ++i)
-                M.segment<3>(limited(i).at).array() += rho[i];
+                M.segment(limited(i).at, limited(i).rows).array() += rho[i];
             return M;
         }
 
@@ -154,7 +160,7 @@ namespace {
             Eigen::MatrixXd F = Eigen::MatrixXd::Zero(force_.size(), count());
             Eigen::VectorXd slope(count());
             for (Eigen::Index i = 0; i < count(); ++i) {
-                F.col(i).segment<3>(limited(i).at) = force_of(i);
+                F.col(i).segment(limited(i).at, limited(i).rows) = force_of(i);
                 const double force = force_of(i).norm(), limit = limited(i).limit_N;
                 slope[i] = 0.5 * (limit - force) * (limit + force);
             }
@@ -178,7 +184,7 @@ namespace {
                 double change = 0.0; // of the energy, computed without a difference of large numbers
                 for (Eigen::Index i = 0; i < count(); ++i) {
                     const double limit = limited(i).limit_N;
-                    const Vec3 new_force = force.segment<3>(limited(i).at);
+                    const auto new_force = force.segment(limited(i).at, limited(i).rows);
                     change += 0.5 * share * way[i] * (limit * limit - force_of(i).dot(new_force));
                 }
                 if (change <= kArmijo * share * predicted) {
@@ -198,9 +204,90 @@ namespace {
 
     bool good(double positive) { return positive > 0.0; } // false for NaN
 
+    bool slides(const HookDrive& drive) { return !drive.force_N && drive.only_along.has_value(); }
+
+    /// A basis of the hooks' unknowns in which a hook with HookDrive::only_along prescribes its first one.
+    Eigen::MatrixXd axes_of(const std::vector<HookDrive>& drives)
+    {
+        const auto unknowns = 3 * static_cast<Eigen::Index>(drives.size());
+        Eigen::MatrixXd axes = Eigen::MatrixXd::Identity(unknowns, unknowns);
+        for (std::size_t h = 0; h < drives.size(); ++h)
+            if (slides(drives[h])) {
+                const auto at = 3 * static_cast<Eigen::Index>(h);
+                axes.block<3, 3>(at, at)
+                    = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitX(), *drives[h].only_along).toRotationMatrix();
+            }
+        return axes;
+    }
+
+    std::vector<HookDrive> along_axes(std::vector<HookDrive> drives, const Eigen::MatrixXd& axes)
+    {
+        for (std::size_t h = 0; h < drives.size(); ++h)
+            if (slides(drives[h])) {
+                const auto at = 3 * static_cast<Eigen::Index>(h);
+                drives[h].displacement = axes.block<3, 3>(at, at).transpose() * drives[h].displacement;
+                drives[h].only_along = Vec3::UnitX();
+            }
+        return drives;
+    }
+
+    /// rest_of_hooks() of hooks that prescribe along the first of their axes, or along all.
+    HookRest rest_along_axes(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const std::vector<HookDrive>& drives)
+    {
+        RETRACTOR_ASSERT(R.rows() == r.size() && R.cols() == r.size());
+        std::vector<Eigen::Index> forced, drawn; // rows with a force, which is 0 where tissue slides, and with a target
+        std::vector<HookDrive> drawing;
+        std::vector<std::size_t> hook_of_drawing;
+        Eigen::VectorXd given = Eigen::VectorXd::Zero(r.size()); // per row: the force or the target
+        for (std::size_t h = 0; h < drives.size(); ++h) {
+            const auto at = 3 * static_cast<Eigen::Index>(h);
+            given.segment<3>(at) = drives[h].force_N.value_or(drives[h].displacement);
+            if (slides(drives[h]))
+                given.segment<2>(at + 1).setZero();
+            for (Eigen::Index row = at; row < at + 3; ++row)
+                (drives[h].force_N || (slides(drives[h]) && row > at) ? forced : drawn).push_back(row);
+            if (drives[h].force_N)
+                continue;
+            drawing.push_back(drives[h]);
+            hook_of_drawing.push_back(h);
+        }
+        HookRest rest { .displacement = given, .yielded = std::vector<bool>(drives.size(), false) };
+        // Hooks with a given force move freely under this force. The other hooks therefore feel the stiffness with the
+        // force-driven hooks condensed.
+        Eigen::MatrixXd seen = R(drawn, drawn);
+        Eigen::VectorXd offset = r(drawn);
+        Eigen::LLT<Eigen::MatrixXd> free;
+        if (!forced.empty()) {
+            free.compute(R(forced, forced));
+            const Eigen::MatrixXd across = R(forced, drawn);
+            seen -= across.transpose() * free.solve(across);
+            const Eigen::VectorXd pull = given(forced) - r(forced);
+            offset += across.transpose() * free.solve(pull);
+            seen = (0.5 * (seen + seen.transpose())).eval();
+        }
+        YieldSearch search(seen, seen * given(drawn) + offset, drawing);
+        rest.converged = (forced.empty() || free.info() == Eigen::Success) && search.search();
+        rest.displacement(drawn) -= search.slip();
+        if (!forced.empty()) {
+            const Eigen::VectorXd pull = given(forced) - r(forced) - R(forced, drawn) * rest.displacement(drawn);
+            const Eigen::VectorXd along = free.solve(pull);
+            rest.displacement(forced) = along;
+        }
+        for (const std::size_t i : search.yielded())
+            rest.yielded[hook_of_drawing[i]] = true;
+        if (!rest.displacement.allFinite()) {
+            rest.displacement.setZero();
+            rest.converged = false;
+        }
+        return rest;
+    }
+
 } // namespace
 
-bool HookDrive::prescribes() const { return !force_N && std::isinf(grip_N_per_mm) && std::isinf(force_limit_N); }
+bool HookDrive::prescribes() const
+{
+    return !force_N && std::isinf(grip_N_per_mm) && std::isinf(force_limit_N) && !only_along;
+}
 
 std::vector<HookDrive> prescribed_drives(std::span<const Vec3> displacements)
 {
@@ -228,53 +315,18 @@ void check_drive(const HookDrive& drive, const std::string& name)
         throw InputError("a hook's displacement and force must be finite", where);
     if (!good(drive.grip_N_per_mm) || !good(drive.force_limit_N))
         throw InputError("a hook's grip and force limit must be positive", where);
+    constexpr double kUnit = 1e-9; // round-off of a normalised vector
+    if (drive.only_along && !(std::abs(drive.only_along->norm() - 1.0) <= kUnit))
+        throw InputError("the direction along which a hook prescribes the displacement must be a unit vector", where);
 }
 
 HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const std::vector<HookDrive>& drives)
 {
-    RETRACTOR_ASSERT(R.rows() == r.size() && R.cols() == r.size());
-    std::vector<Eigen::Index> forced, drawn; // rows of hooks with a force, and of hooks with a target
-    std::vector<HookDrive> drawing;
-    std::vector<std::size_t> hook_of_drawing;
-    Eigen::VectorXd given = Eigen::VectorXd::Zero(r.size()); // per row: the force or the target
-    for (std::size_t h = 0; h < drives.size(); ++h) {
-        const auto at = 3 * static_cast<Eigen::Index>(h);
-        given.segment<3>(at) = drives[h].force_N.value_or(drives[h].displacement);
-        for (Eigen::Index row = at; row < at + 3; ++row)
-            (drives[h].force_N ? forced : drawn).push_back(row);
-        if (drives[h].force_N)
-            continue;
-        drawing.push_back(drives[h]);
-        hook_of_drawing.push_back(h);
-    }
-    HookRest rest { .displacement = given, .yielded = std::vector<bool>(drives.size(), false) };
-    // Hooks with a given force move freely under this force. The other hooks therefore feel the stiffness with the
-    // force-driven hooks condensed.
-    Eigen::MatrixXd seen = R(drawn, drawn);
-    Eigen::VectorXd offset = r(drawn);
-    Eigen::LLT<Eigen::MatrixXd> free;
-    if (!forced.empty()) {
-        free.compute(R(forced, forced));
-        const Eigen::MatrixXd across = R(forced, drawn);
-        seen -= across.transpose() * free.solve(across);
-        const Eigen::VectorXd pull = given(forced) - r(forced);
-        offset += across.transpose() * free.solve(pull);
-        seen = (0.5 * (seen + seen.transpose())).eval();
-    }
-    YieldSearch search(seen, seen * given(drawn) + offset, drawing);
-    rest.converged = (forced.empty() || free.info() == Eigen::Success) && search.search();
-    rest.displacement(drawn) -= search.slip();
-    if (!forced.empty()) {
-        const Eigen::VectorXd pull = given(forced) - r(forced) - R(forced, drawn) * rest.displacement(drawn);
-        const Eigen::VectorXd along = free.solve(pull);
-        rest.displacement(forced) = along;
-    }
-    for (const std::size_t i : search.yielded())
-        rest.yielded[hook_of_drawing[i]] = true;
-    if (!rest.displacement.allFinite()) {
-        rest.displacement.setZero();
-        rest.converged = false;
-    }
+    if (std::none_of(drives.begin(), drives.end(), slides))
+        return rest_along_axes(R, r, drives);
+    const Eigen::MatrixXd axes = axes_of(drives);
+    HookRest rest = rest_along_axes(axes.transpose() * R * axes, axes.transpose() * r, along_axes(drives, axes));
+    rest.displacement = axes * rest.displacement;
     return rest;
 }
 

@@ -24,6 +24,10 @@ struct HookDrive {
     /// Stiffness of the grip, > 0; infinite: the lip follows completely.
     double grip_N_per_mm = std::numeric_limits<double>::infinity();
     double force_limit_N = std::numeric_limits<double>::infinity(); ///< > 0
+    /// Unit vector; not set: the hook prescribes the whole displacement. Set, as for the blade of a retractor: the hook
+    /// prescribes the displacement along it, and the tissue slides across it without friction. A hook that pulls with a
+    /// force lets tissue slide in any case.
+    std::optional<Vec3> only_along {};
 
     bool prescribes() const; ///< d is `displacement`, whatever the tissue does
     bool operator==(const HookDrive&) const = default;

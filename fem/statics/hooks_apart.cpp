@@ -254,7 +254,8 @@ RestApart rest_of_hooks_apart(const Eigen::MatrixXd& R, const Eigen::VectorXd& r
     apart.meeting = draw_prescribed_back(facing, drives);
     std::vector<FacingHooks> others;
     for (const FacingHooks& pair : facing)
-        if (!drives[pair.a].prescribes() || !drives[pair.b].prescribes())
+        if ((!drives[pair.a].prescribes() || !drives[pair.b].prescribes())
+            && !(drives[pair.a].only_along && drives[pair.b].only_along))
             others.push_back(pair);
     if (std::all_of(drives.begin(), drives.end(), [](const HookDrive& drive) { return drive.prescribes(); })) {
         std::vector<Vec3> told;

@@ -46,7 +46,8 @@ struct RestApart {
 };
 
 /// Computes rest_of_hooks() with hooks that stop where their lips meet. Meeting hooks press on each other without
-/// friction. Two hooks that prescribe their displacement move back by equal shares.
+/// friction. Two hooks that prescribe their displacement move back by equal shares. Two hooks along which tissue slides
+/// go where they are told: whoever drives them keeps them apart.
 /// @param R, r as in rest_of_hooks(); not used when all hooks prescribe their displacement
 RestApart rest_of_hooks_apart(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, std::vector<HookDrive> drives,
     std::span<const FacingHooks> facing);

@@ -43,6 +43,35 @@ namespace hook_drive_test {
         EXPECT_LT((both.displacement - 0.4 * target).norm(), kSettled);
     }
 
+    TEST(HookDrive, TissueSlidesAcrossTheOneDirectionThatAHookPrescribes)
+    {
+        const Vec3 along = Vec3(1.0, 2.0, -2.0) / 3.0, target = 6.0 * along;
+        for (const int hooks : { 1, 3 }) {
+            const Eigen::MatrixXd R = stiffness_of(hooks);
+            const Eigen::VectorXd r = Eigen::VectorXd::LinSpaced(3 * hooks, -0.5, 0.7);
+            std::vector<HookDrive> drives(static_cast<std::size_t>(hooks), HookDrive { .displacement = target });
+            drives[0].only_along = along;
+            drives[0].displacement += Vec3(2.0, -1.0, 0.0); // across: it is not prescribed
+            ASSERT_NEAR(Vec3(2.0, -1.0, 0.0).dot(along), 0.0, kSettled);
+            const HookRest rest = rest_of_hooks(R, r, drives);
+            ASSERT_TRUE(rest.converged);
+            const Vec3 moved = rest.displacement.head<3>(), force = (R * rest.displacement + r).head<3>();
+            EXPECT_NEAR(moved.dot(along), 6.0, kSettled);
+            EXPECT_LT((force - force.dot(along) * along).norm(), kSettled) << "without friction";
+            for (int h = 1; h < hooks; ++h)
+                EXPECT_LT((Vec3(rest.displacement.segment<3>(3 * h)) - target).norm(), kSettled);
+
+            drives[0].force_limit_N = 0.5 * std::abs(force.dot(along));
+            const HookRest limited = rest_of_hooks(R, r, drives);
+            ASSERT_TRUE(limited.converged);
+            EXPECT_TRUE(limited.yielded[0]);
+            EXPECT_LT(((R * limited.displacement + r).head<3>() - 0.5 * force).norm(), kSettled * force.norm());
+        }
+        EXPECT_FALSE((HookDrive { .only_along = along }.prescribes()));
+        EXPECT_THROW(check_drive({ .only_along = Vec3(1.0, 1.0, 0.0) }, "blade"), InputError);
+        EXPECT_THROW(check_drive({ .only_along = Vec3::Constant(kInfinite) }, "blade"), InputError);
+    }
+
     TEST(HookDrive, EachHookGetsItsLawsForce)
     {
         const Eigen::MatrixXd R = stiffness_of(4);

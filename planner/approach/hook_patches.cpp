@@ -6,6 +6,7 @@
 #include "mesh/surface/proximity.h"
 #include "planner/approach/bearing_points.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <map>
@@ -22,19 +23,23 @@ namespace {
     {
         constexpr double kOnLipMm = 1e-6; // far above the round-off of positions, far below any element
         const Vec3 at = point_at(wall.vertices, vertex);
-        double nearest = std::numeric_limits<double>::infinity(), behind = 0.0;
+        double nearest = std::numeric_limits<double>::infinity();
+        Vec3 foot = Vec3::Zero(), area = Vec3::Zero(); // at an edge or a corner all its faces count
         for (const std::array<VertexId, 3>& face : lip) {
             const std::array corners { point_at(wall.vertices, face[0]), point_at(wall.vertices, face[1]),
                 point_at(wall.vertices, face[2]) };
             const mesh::ClosestPoint closest = mesh::closest_on_triangle(at, corners[0], corners[1], corners[2]);
-            if (closest.distance < nearest) {
-                nearest = closest.distance;
-                const Vec3 foot = closest.barycentric[0] * corners[0] + closest.barycentric[1] * corners[1]
-                    + closest.barycentric[2] * corners[2];
-                behind = -area_vector(wall.vertices, face).normalized().dot(at - foot);
-            }
+            if (closest.distance > nearest + kOnLipMm)
+                continue;
+            if (closest.distance < nearest - kOnLipMm)
+                area.setZero();
+            nearest = std::min(nearest, closest.distance);
+            area += area_vector(wall.vertices, face);
+            foot = closest.barycentric[0] * corners[0] + closest.barycentric[1] * corners[1]
+                + closest.barycentric[2] * corners[2];
         }
-        return behind >= -kOnLipMm;
+        const double before = area.normalized().dot(at - foot); // a zero area stays zero
+        return before <= kOnLipMm;
     }
 
 } // namespace

@@ -2,6 +2,7 @@
 
 #include "fem/statics/hook.h"
 #include "mesh/base/error.h"
+#include "mesh/base/geometry.h"
 #include "mesh/base/triangle.h"
 #include "planner/approach/hook_patches.h"
 
@@ -213,7 +214,8 @@ namespace {
     bool take_nodes(const WallSurface& surface, std::span<const LipTriangle> lips, const WoundEdges& edges,
         std::span<const char> held, VertexId grip, HookPlacement& placement, std::string& why_not)
     {
-        placement.centre = place(surface, grip) + (0.5 * placement.height_mm - kAboveEdgeMm) * placement.inward;
+        placement.arm = place(surface, grip) - kAboveEdgeMm * placement.inward;
+        placement.centre = placement.arm + 0.5 * placement.height_mm * placement.inward;
         std::vector<std::array<VertexId, 3>> faces;
         for (const LipTriangle& lip : lips)
             if (lip.cut == placement.cut && lip.side == placement.side)
@@ -263,24 +265,38 @@ namespace {
 
     /// Numbers the lips as the plan of a hook does: the hook's side is the lip that looks against its pull. A line that
     /// was drawn by hand may run either way, and each face by itself may look anywhere, because a lip is as rough as
-    /// the mesh: a lip as a whole decides, by its faces near the hook.
+    /// the mesh: a lip as a whole decides, by its faces near the hook. Cuts across the pull, and cuts elsewhere, have
+    /// no lip that could be held this way, and are left out.
     void number_lips_for(
         const HookSpec& spec, const Vec3& centre, const mesh::TetMesh& wall, std::vector<mesh::LipFace>& lips)
     {
-        const auto against_pull = [&](const mesh::LipFace& lip) {
-            return -area_vector(wall.vertices, mesh::face_vertices(wall, lip.face)).dot(spec.direction);
+        constexpr double kAgainst = 0.5; // share of a lip's area that looks against the pull
+        struct Looks {
+            double against = 0.0, area = 0.0;
+            bool hold() const { return std::abs(against) >= kAgainst * area && area > 0.0; }
+        };
+        const auto looks = [&](const mesh::LipFace& lip) {
+            const Vec3 area = area_vector(wall.vertices, mesh::face_vertices(wall, lip.face));
+            return Looks { .against = -area.dot(spec.direction), .area = area.norm() };
         };
         const double near = std::max(spec.patch_width_mm, spec.patch_height_mm);
-        std::map<int, double> of_cut; // > 0: side +1 of the cut looks against the pull
-        for (const mesh::LipFace& lip : lips)
-            if (const Vec3 corner = wall.vertices.row(mesh::face_vertices(wall, lip.face)[0]);
-                (corner - centre).norm() < near)
-                of_cut[lip.cut] += lip.side * against_pull(lip);
-        for (mesh::LipFace& lip : lips) {
-            const double looks
-                = lip.side != 0 ? lip.side * of_cut[lip.cut] : against_pull(lip); // 0: bared by taking tissue out
-            lip.side = looks > 0.0 ? spec.side : -spec.side;
+        std::map<int, Looks> of_cut; // against > 0: side +1 of the cut looks against the pull
+        for (const mesh::LipFace& lip : lips) {
+            const auto corners = mesh::face_vertices(wall, lip.face);
+            if (std::ranges::none_of(
+                    corners, [&](VertexId v) { return (point_at(wall.vertices, v) - centre).norm() < near; }))
+                continue;
+            const Looks face = looks(lip);
+            of_cut[lip.cut].against += lip.side * face.against;
+            of_cut[lip.cut].area += lip.side != 0 ? face.area : 0.0;
         }
+        std::erase_if(lips, [&](mesh::LipFace& lip) {
+            Looks whole = lip.side != 0 ? of_cut[lip.cut] : looks(lip); // 0: bared by taking tissue out
+            if (lip.side != 0)
+                whole.against *= lip.side;
+            lip.side = whole.against > 0.0 ? spec.side : -spec.side;
+            return !whole.hold();
+        });
     }
 
     Vec3 mean_direction(const Approach& approach)
@@ -375,6 +391,8 @@ PlannedPlacements planned_placements(const mesh::CutSession& session, const Appr
         number_lips_for(spec, patch_place(approach, spec).centre, wall, lips);
         Approach one = approach;
         one.hooks = { spec };
+        if (approach.retractor) // a blade pushes the lip, and bone through it
+            one.hooks[0].bearing.clear();
         try {
             const fem::HookPatch patch = hook_patches(wall, lips, one, table, supports).front();
             HookPlacement placement { .side = spec.side,
@@ -389,6 +407,8 @@ PlannedPlacements planned_placements(const mesh::CutSession& session, const Appr
             const Vec3 inward = mean_direction(approach);
             placement.along = inward.cross(spec.direction).normalized();
             placement.inward = spec.direction.cross(placement.along).normalized();
+            const PatchPlace planned_place = patch_place(approach, spec);
+            placement.arm = planned_place.centre - spec.depth_mm * planned_place.depth;
             planned.placements.push_back(std::move(placement));
             planned.names.push_back(spec.name);
             planned.drives.push_back(drive_of(spec));

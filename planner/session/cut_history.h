@@ -2,10 +2,13 @@
 // The cuts of a surgery session that can be undone or redone, with what a surgeon reads about each. Units mm.
 
 #include "mesh/cutting/cut_session.h"
+#include "mesh/cutting/store/blade.h"
 #include "mesh/image/volume.h"
+#include "planner/case/division.h"
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +24,9 @@ struct CutEntry {
     bool in_force = true;
     /// Reason why a part of the line was not cut, or a part of the ball not removed; empty: nothing is missing.
     std::string omitted {};
+    bool as_planned = false; ///< the planned incision, which no hand drew
+    std::optional<StrokeWay> divides {}; ///< a stroke beyond the skin; nothing: a cut from the skin, or not known
+    mesh::Blade blade {}; ///< of a cut from the skin; without points where it is restored, and for all else
     /// Read from disk, which does not keep lengths and reports: the report has only lip_area_mm2 and
     /// removed_volume_mm3.
     bool restored = false;

@@ -31,6 +31,9 @@ struct HookPlacement {
     Vec3 pull = Vec3::UnitX(); ///< unit vector away from the other lip
     double width_mm = 10.0, height_mm = 15.0;
     std::vector<VertexId> nodes {}; ///< vertices of the lip under the patch, in rising order
+    Vec3 arm = Vec3::Zero(); ///< where a retractor's blade hangs on its arm, over the patch's middle, at the skin
+    double lever_mm = 0.0; ///< of a retractor's blade: depth below the arm at which it bears
+    double reach_mm = 0.0; ///< of a retractor's blade: depth of its end below the arm
 };
 
 /// Finds the patch for a hook near a touched place.

@@ -25,6 +25,8 @@ namespace surgery {
     struct LeaveWall { }; ///< the knife moves where there is no wall
     struct FinishStroke { };
     struct AbandonStroke { }; ///< undoes an open stroke
+    struct CutAsPlanned { }; ///< see SurgerySession::cut_as_planned()
+    struct DivideBeyondCut { }; ///< see SurgerySession::divide_beyond_cut()
     /// See SurgerySession::take_out().
     struct TakeOut {
         Touch at {};
@@ -49,7 +51,7 @@ namespace surgery {
         Touch at {};
         RetractorKind kind {};
     };
-    /// Opens the retractor with this blade to a distance of its blades. Of the waiting commands only the newest for
+    /// Opens the retractor with this blade to a distance of its arms. Of the waiting commands only the newest for
     /// each blade runs.
     struct Crank {
         fem::HookId blade = 0;
@@ -89,9 +91,9 @@ namespace surgery {
         std::filesystem::path path {};
     };
 
-    using Command = std::variant<BeginStroke, DrawTo, LeaveWall, FinishStroke, AbandonStroke, TakeOut, Undo, Redo, GoTo,
-        SetTension, PlaceHook, PlaceRetractor, Crank, TakePlannedHooks, PullHook, PullAllHooks, PullHooksByShare,
-        SetYield, SetNonlinear, TakeOffHook, TakeOffHooks, ExportWall>;
+    using Command = std::variant<BeginStroke, DrawTo, LeaveWall, FinishStroke, AbandonStroke, CutAsPlanned,
+        DivideBeyondCut, TakeOut, Undo, Redo, GoTo, SetTension, PlaceHook, PlaceRetractor, Crank, TakePlannedHooks,
+        PullHook, PullAllHooks, PullHooksByShare, SetYield, SetNonlinear, TakeOffHook, TakeOffHooks, ExportWall>;
 
 } // namespace surgery
 } // namespace retractor::planner

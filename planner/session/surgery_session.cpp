@@ -5,19 +5,25 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/image/skeleton.h"
+#include "planner/session/blade_bearing.h"
+#include "planner/wall/division_cut.h"
 #include "planner/wall/wall_tension.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <map>
+#include <numbers>
 #include <sstream>
 #include <utility>
 
 namespace retractor::planner {
 
 namespace {
+
+    constexpr double kRadians = std::numbers::pi / 180.0; ///< of a degree
 
     /// A shorter line is a click and not a cut.
     constexpr double kShortestCutMm = 1.0;
@@ -72,6 +78,15 @@ namespace {
         return labels;
     }
 
+    CutEntry entry_of(const mesh::Blade& blade, const mesh::CutReport& report)
+    {
+        CutEntry entry { .depth_mm = blade.depth_mm, .report = report };
+        for (std::size_t i = 1; i < blade.line.size(); ++i)
+            entry.length_mm += (blade.line[i] - blade.line[i - 1]).norm();
+        entry.blade = blade;
+        return entry;
+    }
+
     mesh::CutSession open_session(const mesh::TetMesh& wall, const Job& job)
     {
         const Stopwatch watch;
@@ -115,6 +130,7 @@ SurgerySession::SurgerySession(
     , bed_(first_->vertex_count(), 0.0)
     , hinges_(std::move(setup.hinges))
     , approach_(std::move(setup.approach))
+    , find_division_(std::move(setup.find_division))
 {
     job_.ledger = job.ledger;
     for (const VertexId v : setup.held)
@@ -270,9 +286,7 @@ KnifeAnswer SurgerySession::finish_stroke()
     follow(result.delta);
     if (result.status != mesh::CutStatus::done)
         return { false, result.message };
-    CutEntry entry { .depth_mm = ended->blade.depth_mm, .report = result.report };
-    for (std::size_t i = 1; i < ended->blade.line.size(); ++i)
-        entry.length_mm += (ended->blade.line[i] - ended->blade.line[i - 1]).norm();
+    CutEntry entry = entry_of(ended->blade, result.report);
     entry.omitted = ended->omitted;
     if (!ended->off.empty())
         entry.omitted += (entry.omitted.empty() ? "" : "; ") + ended->off;
@@ -282,6 +296,112 @@ KnifeAnswer SurgerySession::finish_stroke()
     return { true,
         "cut over " + std::to_string(std::lround(entry.length_mm))
             + " mm; a part of the line was not cut: " + entry.omitted };
+}
+
+KnifeAnswer SurgerySession::cut_as_planned()
+{
+    if (stroke_open())
+        return { false, "a stroke is open: finish it first" };
+    if (session_.cut_count() > 0)
+        return { false, "the wall is cut already: undo the cuts, then cut as planned" };
+    if (approach_.incision.size() < 2)
+        return { false, "the approach has no incision" };
+    const mesh::Blade blade = blade_of(approach_);
+    const Stopwatch watch;
+    mesh::CutResult result;
+    try {
+        result = session_.cut(blade, cut_options_of(approach_, labels_), job_);
+    } catch (const InputError& error) {
+        return { false, std::string("the planned incision cannot be cut: ") + error.what() };
+    } catch (const SolverError& error) {
+        return { false, std::string("the planned incision cannot be cut: ") + error.what() };
+    }
+    if (result.status != mesh::CutStatus::done)
+        return { false, result.message };
+    step_ms_ = 1e3 * watch.seconds();
+    follow(result.delta);
+    CutEntry entry = entry_of(blade, result.report);
+    entry.as_planned = true;
+    history_.add(std::move(entry));
+    KnifeAnswer answer { true, {} };
+    if (approach_.division.extent != DivisionExtent::skin)
+        answer.reason = make_strokes(approach_, {}).reason;
+    if (!approach_.ablations.empty())
+        answer.reason += (answer.reason.empty() ? "" : "; ")
+            + std::string("what the plan removes is still there: take it out by hand");
+    return answer;
+}
+
+KnifeAnswer SurgerySession::divide_beyond_cut()
+{
+    if (approach_.division.extent == DivisionExtent::skin || !find_division_)
+        return { false, "the approach divides nothing beyond the skin" };
+    if (stroke_open())
+        return { false, "a stroke is open: finish it first" };
+    const std::vector<CutEntry>& cuts = history_.entries();
+    const auto in_force = cuts.begin() + static_cast<std::ptrdiff_t>(session_.cut_count());
+    const auto cut = std::find_if(std::reverse_iterator(in_force), cuts.rend(),
+        [](const CutEntry& entry) { return entry.taken_out.empty() && !entry.divides; });
+    if (cut == cuts.rend())
+        return { false, "there is no wound beyond which to divide: cut first" };
+    std::set<StrokeWay> made;
+    for (auto later = cut.base(); later != in_force; ++later)
+        if (later->divides)
+            made.insert(*later->divides);
+    if (cut->blade.line.size() < 2)
+        return { false, "the line of a restored cut is not known: undo it, and cut again" };
+    const std::size_t middle = cut->blade.line.size() / 2;
+    const Touch there { .rest = cut->blade.line[middle], .shown = {}, .inward = cut->blade.directions[middle] };
+    constexpr double kNearMm = 5.0;
+    if (const auto wall = thickness_near(*picture()->surface, there, kNearMm); wall && cut->depth_mm < *wall)
+        return { false, "the last cut does not go through the wall: cut through the wall first" };
+    Approach by_hand = approach_;
+    by_hand.incision = cut->blade.line;
+    by_hand.directions = cut->blade.directions;
+    by_hand.depth_mm = cut->blade.depth_mm;
+    find_division_(by_hand);
+    return make_strokes(by_hand, made);
+}
+
+/// Makes the strokes of an approach whose incision is cut, but for the ways that are made already. Those that cannot be
+/// made are named in the message.
+KnifeAnswer SurgerySession::make_strokes(const Approach& divided, const std::set<StrokeWay>& made)
+{
+    if (divided.division.strokes.empty())
+        return { false, "nothing is divided beyond the skin: " + divided.division.words };
+    KnifeAnswer answer;
+    bool all = true;
+    for (const DivisionStroke& stroke : divided.division.strokes) {
+        if (made.contains(stroke.way))
+            continue;
+        Approach one = divided;
+        one.division.strokes = { stroke };
+        const Stopwatch watch;
+        const std::size_t cuts = session_.cut_count();
+        DivisionCut cut;
+        try {
+            cut = divide_beyond_skin(session_, one, labels_, job_);
+        } catch (const SolverError& error) {
+            all = false;
+            while (session_.cut_count() > cuts) // a stroke that severed nothing
+                (void)session_.undo();
+            answer.reason += (answer.reason.empty() ? "" : "; ") + std::string(error.what());
+            continue;
+        }
+        if (cut.status != mesh::CutStatus::done)
+            return { answer.done, "the division was cancelled" };
+        step_ms_ = 1e3 * watch.seconds();
+        follow(cut.deltas.front());
+        CutEntry entry { .length_mm = stroke.length_mm, .depth_mm = stroke.depth_mm, .divides = stroke.way };
+        entry.report.lip_area_mm2 = cut.divided->severed_mm2;
+        history_.add(std::move(entry));
+        answer.done = true;
+    }
+    if (!answer.done && all)
+        return { false, "what the approach divides beyond the skin is divided already" };
+    if (all)
+        answer.reason = divided.division.words;
+    return answer;
 }
 
 void SurgerySession::abandon_stroke()
@@ -677,7 +797,7 @@ void SurgerySession::renew_hooks()
         now[hook.id] = hooks_->attach(hook.placement, hook.name, hook.drive, hook.planned);
     for (const RetractorState& retractor : retractors)
         hooks_->join({ now.at(retractor.blades[0]), now.at(retractor.blades[1]) }, retractor.kind,
-            retractor.greatest_opening_mm);
+            retractor.greatest_opening_mm, retractor.play_rad);
 }
 
 /// Runs a call of the solver that may fail; the cut stays when it fails.
@@ -840,7 +960,8 @@ KnifeAnswer SurgerySession::place_retractor(const Touch& at, const RetractorKind
     const std::string number = retractors_placed_ == 0 ? std::string {} : " " + std::to_string(retractors_placed_ + 1);
     std::vector<std::string> names;
     std::vector<fem::HookDrive> drives;
-    for (const HookPlacement& blade : blades) {
+    for (HookPlacement& blade : blades) {
+        bear_on_bone(blade, session_, skeleton_);
         names.push_back(blade_name(blade.pull) + number);
         drives.push_back({ .displacement = present_place(blade) });
     }
@@ -850,7 +971,9 @@ KnifeAnswer SurgerySession::place_retractor(const Touch& at, const RetractorKind
         if (std::ranges::find(names, hook.name) != names.end())
             attached.push_back(hook.id);
     if (attached.size() == 2) {
-        change_hooks([&] { hooks_->join({ attached[0], attached[1] }, kind.kind, kind.greatest_opening_mm); });
+        change_hooks([&] {
+            hooks_->join({ attached[0], attached[1] }, kind.kind, kind.greatest_opening_mm, kind.play_deg * kRadians);
+        });
         ++retractors_placed_;
         return answer;
     }
@@ -878,7 +1001,10 @@ void SurgerySession::join_planned_blades()
             blades.push_back(hook.id);
     if (blades.size() == 2)
         change_hooks([&] {
-            hooks_->join({ blades[0], blades[1] }, approach_.retractor->kind, approach_.retractor->greatest_opening_mm);
+            const RetractorSpec& retractor = *approach_.retractor;
+            hooks_->join(
+                { blades[0], blades[1] }, retractor.kind, retractor.greatest_opening_mm, retractor.play_deg * kRadians);
+            hooks_->pull_share(1.0);
         });
 }
 
@@ -925,8 +1051,10 @@ KnifeAnswer SurgerySession::take_planned_hooks()
     if (planned.placements.empty() || (approach_.retractor && planned.placements.size() < 2))
         return { false, planned.omitted }; // a retractor needs both blades
     if (approach_.retractor)
-        for (std::size_t n = 0; n < planned.placements.size(); ++n) // as a retractor's that is set by hand
+        for (std::size_t n = 0; n < planned.placements.size(); ++n) { // as a retractor's that is set by hand
             planned.names[n] = "planned " + blade_name(planned.placements[n].pull);
+            bear_on_bone(planned.placements[n], session_, skeleton_);
+        }
     leave_out_those_there(planned, hooks().hooks);
     if (planned.placements.empty())
         return { false, "the planned hooks already hold the wound: remove them to start again" };

@@ -57,6 +57,9 @@ struct SurgerySetup {
     std::shared_ptr<const TriMesh> beyond {};
     std::filesystem::path journal; ///< file that keeps the cuts; empty: cuts are not kept
     std::string caution {}; ///< message for the surgeon when the session is ready; may be empty
+    /// Finds the strokes of an approach's division, as find_division() of planner/approach/find_division.h; empty:
+    /// nothing is divided beyond a cut that was drawn by hand.
+    std::function<void(Approach&)> find_division {};
     /// Writes the cut wall at rest to a file (ExportWall), on the session's thread; empty: the wall cannot be saved.
     std::function<void(const std::filesystem::path&, const mesh::TetMesh&)> write_wall {};
 };
@@ -109,6 +112,19 @@ public:
     void abandon_stroke();
     bool stroke_open() const { return stroke_ != nullptr; }
 
+    /// Cuts the planned incision, and what the approach divides beyond the skin; each can be undone. What the plan
+    /// removes stays. Refused after another cut, and while a stroke is open. The incision stays when a stroke of the
+    /// division fails, with a message.
+    /// @throws exceptions of the session's witness
+    KnifeAnswer cut_as_planned();
+    /// Divides beyond the ends of the last cut from the skin what the approach divides beyond its own: intercostal
+    /// muscle and pleura, or the sternum. Each stroke can be undone. Refused when the approach divides nothing beyond
+    /// the skin, when the cut does not go through the wall, and when all ways are divided already.
+    /// @throws exceptions of the session's witness
+    KnifeAnswer divide_beyond_cut();
+    /// What divide_beyond_cut() divides.
+    DivisionExtent division() const { return approach_.division.extent; }
+
     /// Removes tissue as one cut that can be undone. Radius 0 removes the piece that was cut free at the place. A
     /// positive radius removes the tissue of the touched label within a ball, element by element, so that its border is
     /// as fine as the mesh. Elements of a ball that are held, or lie where the knife cannot cut (WallRegion), stay,
@@ -151,7 +167,7 @@ public:
     /// Places a retractor: one blade on the wound's edge near the touched place, the other on the lip opposite. It
     /// holds the lips where they are now. Refused as place_hook().
     KnifeAnswer place_retractor(const Touch& at, const RetractorKind& kind);
-    /// Opens a retractor to a distance of its blades, as WoundHooks::crank(); does nothing when the blade is gone.
+    /// Opens a retractor to a distance of its arms, as WoundHooks::crank(); does nothing when the blade is gone.
     void crank(fem::HookId blade, double opening_mm);
     /// Places the approach's hooks or retractor, with their planned displacement, force, limit and soft grip. Hooks
     /// without a lip to hold are left out and named in the message.
@@ -192,6 +208,7 @@ private:
     std::optional<mesh::Piece> free_piece_at(const Touch& at, std::string& why_not) const;
     std::string leave_out_what_stays(std::vector<TetId>& marked) const;
     KnifeAnswer cut_to(std::vector<Vec3> points, std::vector<Vec3> directions);
+    KnifeAnswer make_strokes(const Approach& divided, const std::set<StrokeWay>& made);
     bool is_skeleton_label(Label label) const;
     /// Supports that returned with undone removal of tissue.
     struct Returned {
@@ -253,6 +270,7 @@ private:
     std::vector<fem::Hinge> hinges_; ///< of the wall before any cut
     std::set<VertexId> hinge_nodes_; ///< all nodes of hinges_
     Approach approach_;
+    std::function<void(Approach&)> find_division_; ///< empty: none
     std::unique_ptr<WoundHooks> hooks_; ///< null: no hooks
     bool nonlinear_ = false;
     int hooks_made_ = 0; ///< number of solvers made for hooks

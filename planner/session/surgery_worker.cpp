@@ -73,6 +73,8 @@ struct SurgeryWorker::Runner {
     }
     KnifeAnswer operator()(const surgery::FinishStroke&) const { return drawing() ? finish() : nothing(); }
     void operator()(const surgery::AbandonStroke&) const { live_session.abandon_stroke(); }
+    KnifeAnswer operator()(const surgery::CutAsPlanned&) const { return live_session.cut_as_planned(); }
+    KnifeAnswer operator()(const surgery::DivideBeyondCut&) const { return live_session.divide_beyond_cut(); }
     KnifeAnswer operator()(const surgery::TakeOut& c) const { return live_session.take_out(c.at, c.radius_mm); }
 
     void operator()(const surgery::Undo&) const
@@ -253,6 +255,7 @@ void SurgeryWorker::publish(SurgerySession& live_session)
         next.moving = live_session.moving();
         next.hooks = live_session.hooks();
         next.planned_hooks = live_session.planned_hooks();
+        next.division = live_session.division();
     });
     announce();
 }

@@ -60,6 +60,7 @@ struct SurgerySnapshot {
     double relax_ms = 0.0; ///< time of the last frame of the wound's opening
     HookReport hooks;
     std::size_t planned_hooks = 0; ///< number of hooks in the approach
+    DivisionExtent division = DivisionExtent::skin; ///< what the approach divides beyond the skin
 };
 
 class SurgeryWorker {

@@ -3,9 +3,11 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
+#include "planner/session/blade_bearing.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 namespace retractor::planner {
@@ -111,6 +113,15 @@ std::optional<double> share_of_plan(std::span<const HookState> hooks)
     return {};
 }
 
+Vec3 moved_by_hand(const HookReport& report, const HookState& hook)
+{
+    for (const RetractorState& retractor : report.retractors)
+        for (std::size_t blade = 0; blade < 2; ++blade)
+            if (retractor.blades[blade] == hook.id)
+                return retractor.arm_mm[blade] * hook.placement.pull;
+    return hook.drive.force_N ? hook.displacement : hook.drive.displacement;
+}
+
 /// Limits a drive by the force at which all hooks slip.
 fem::HookDrive WoundHooks::limited(const fem::HookDrive& drive) const
 {
@@ -166,8 +177,11 @@ void WoundHooks::drive(const std::map<fem::HookId, fem::HookDrive>& asked)
         const bool drawn = found != asked.end() && !found->second.force_N;
         const bool follows = !hook.drive.force_N && !hook.yielded && std::isinf(hook.drive.grip_N_per_mm);
         where.push_back(drawn ? found->second.displacement : follows ? hook.drive.displacement : hook.displacement);
+        if (const std::optional<Vec3>& along = hook.drive.only_along) // across it the tissue has slid
+            where.back() = hook.displacement + (where.back() - hook.displacement).dot(*along) * *along;
         gives_way.push_back(drawn ? 1.0 : 0.0);
     }
+    const std::vector<Vec3> wanted = where;
     const std::vector<fem::FacingHooks> met = fem::draw_back(opening_.facing_hooks(), gives_way, where);
     for (std::size_t i = 0; i < report_.hooks.size(); ++i) {
         HookState& hook = report_.hooks[i];
@@ -175,8 +189,11 @@ void WoundHooks::drive(const std::map<fem::HookId, fem::HookDrive>& asked)
         if (found == asked.end())
             continue;
         fem::HookDrive drive = found->second;
-        if (!drive.force_N)
+        if (!drive.force_N && !drive.only_along)
             drive.displacement = where[i];
+        else if (const Vec3 back = where[i] - wanted[i]; !drive.force_N && drive.only_along->dot(back) != 0.0)
+            // As far back along its own way as takes it off the other lip.
+            drive.displacement += back.squaredNorm() / drive.only_along->dot(back) * *drive.only_along;
         opening_.drive(hook.id, limited(drive));
         hook.drive = drive;
     }
@@ -214,11 +231,16 @@ WoundHooks::Rack* WoundHooks::rack_of(fem::HookId hook)
     return found == racks_.end() ? nullptr : &*found;
 }
 
-void WoundHooks::join(std::array<fem::HookId, 2> blades, std::string kind, double greatest_opening_mm)
+void WoundHooks::join(std::array<fem::HookId, 2> blades, std::string kind, double greatest_opening_mm, double play_rad)
 {
+    if (!(play_rad >= 0.0 && play_rad <= 0.5 * std::numbers::pi))
+        throw InputError("the play of a retractor's blades must be between 0 and 90 degrees", kind);
     if (!(greatest_opening_mm > 0.0))
         throw InputError("the greatest opening of a retractor must be positive", kind);
-    Rack rack { .state = { .kind = std::move(kind), .blades = blades, .greatest_opening_mm = greatest_opening_mm } };
+    Rack rack { .state = { .kind = std::move(kind),
+                    .blades = blades,
+                    .play_rad = play_rad,
+                    .greatest_opening_mm = greatest_opening_mm } };
     for (const fem::HookId blade : blades) {
         if (rack_of(blade) != nullptr)
             throw InputError("this hook is the blade of a retractor already", state(blade).name);
@@ -227,6 +249,12 @@ void WoundHooks::join(std::array<fem::HookId, 2> blades, std::string kind, doubl
     }
     read_rack(rack);
     racks_.push_back(std::move(rack));
+    std::map<fem::HookId, fem::HookDrive> sliding; // steel does not hold tissue that moves along it
+    for (const fem::HookId blade : blades) {
+        fem::HookDrive& drive = sliding.emplace(blade, state(blade).drive).first->second;
+        drive.only_along = state(blade).placement.pull.normalized();
+    }
+    drive(sliding);
 }
 
 /// Reads where a rack is from how its blades are driven.
@@ -238,7 +266,11 @@ void WoundHooks::read_rack(Rack& rack)
         outward[i] = blade.drive.displacement.dot(blade.placement.pull);
         rack.across[i] = blade.drive.displacement - outward[i] * blade.placement.pull;
     }
-    rack.state.opening_mm = outward[0] + outward[1];
+    const std::array<const HookPlacement*, 2> blades { &state(rack.state.blades[0]).placement,
+        &state(rack.state.blades[1]).placement };
+    rack.state.opening_mm = opening_of_arms(blades, outward[0] + outward[1], rack.state.play_rad);
+    for (std::size_t i = 0; i < 2; ++i)
+        outward[i] += behind_arm_mm(*blades[i], rack.state.opening_mm, rack.state.play_rad);
     rack.balance.start_at(0.5 * (outward[0] - outward[1]));
 }
 
@@ -248,6 +280,12 @@ bool WoundHooks::is_stopped(const Rack& rack) const
         [&](fem::HookId blade) { return stopped_hooks_.contains(blade); });
 }
 
+/// How far the arm of a blade has moved along the blade's pull.
+double WoundHooks::arm_mm(const Rack& rack, std::size_t blade)
+{
+    return 0.5 * rack.state.opening_mm + (blade == 0 ? 1.0 : -1.0) * rack.balance.shift_mm();
+}
+
 std::array<fem::HookDrive, 2> WoundHooks::drives_of(const Rack& rack) const
 {
     std::array<fem::HookDrive, 2> drives;
@@ -255,9 +293,10 @@ std::array<fem::HookDrive, 2> WoundHooks::drives_of(const Rack& rack) const
         const auto blade = std::find_if(report_.hooks.begin(), report_.hooks.end(),
             [&](const HookState& hook) { return hook.id == rack.state.blades[i]; });
         RETRACTOR_ASSERT(blade != report_.hooks.end());
-        const double shift = (i == 0 ? 1.0 : -1.0) * rack.balance.shift_mm();
+        const double arm = arm_mm(rack, i),
+                     behind = behind_arm_mm(blade->placement, rack.state.opening_mm, rack.state.play_rad);
         drives[i] = blade->drive;
-        drives[i].displacement = rack.across[i] + (0.5 * rack.state.opening_mm + shift) * blade->placement.pull;
+        drives[i].displacement = rack.across[i] + (arm - behind) * blade->placement.pull;
     }
     return drives;
 }
@@ -357,6 +396,11 @@ void WoundHooks::report_racks()
     report_.retractors.clear();
     for (Rack& rack : racks_) {
         rack.state.blade_N = rack_forces(rack, numbers);
+        for (std::size_t i = 0; i < 2; ++i) {
+            rack.state.arm_mm[i] = arm_mm(rack, i);
+            rack.state.turn_rad[i]
+                = blade_turn(state(rack.state.blades[i]).placement, rack.state.opening_mm, rack.state.play_rad);
+        }
         const auto [first, second] = rack.state.blade_N;
         rack.state.force_N = 0.5 * (first + second);
         const double larger = std::max(std::abs(first), std::abs(second));
@@ -413,7 +457,7 @@ void WoundHooks::pull_share(double share)
         throw InputError("the share of the planned opening must be finite", "hooks");
     std::map<fem::HookId, fem::HookDrive> driven;
     for (Rack& rack : racks_) {
-        double planned_mm = 0.0;
+        double planned_mm = 0.0; // the plan drives the arms
         for (const fem::HookId blade : rack.state.blades)
             if (const HookState& held = state(blade); held.planned)
                 planned_mm += held.planned->displacement.dot(held.placement.pull);

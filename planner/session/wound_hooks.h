@@ -43,11 +43,14 @@ struct HookState {
 };
 
 /// A retractor on a wound: a rack that pushes two blades apart. Only the tissue carries it, so that it moves along its
-/// rack until both blades bear the same force. Its blades do not turn, unlike in a plan.
+/// rack until both blades bear the same force. Its blades turn as blade_bearing.h says.
 struct RetractorState {
     std::string kind; ///< as in the table of instruments
     std::array<fem::HookId, 2> blades {};
-    double opening_mm = 0.0; ///< of the rack, from where the lips met
+    double opening_mm = 0.0; ///< of the arms, from where the lips met
+    double play_rad = 0.0; ///< largest turn of a blade about its arm
+    std::array<double, 2> arm_mm {}; ///< how far each arm has moved along its blade's pull
+    std::array<double, 2> turn_rad {}; ///< of each blade about its arm, with its end into the wound
     double greatest_opening_mm = 0.0;
     std::array<double, 2> blade_N {}; ///< pushes of the rack on each blade, outwards; negative: it holds the lip back
     double force_N = 0.0; ///< mean of the two blades' forces
@@ -89,6 +92,10 @@ struct HookReport {
     std::string refusal; ///< why the present wound cannot be opened; the last solution stays shown
 };
 
+/// How far a hook has been moved from rest: of the blade of a retractor its arm, which moves further than the tissue
+/// under the blade; of a hook that pulls with a force the tissue.
+Vec3 moved_by_hand(const HookReport& report, const HookState& hook);
+
 class WoundHooks {
 public:
     /// Factors the session's present wall, which takes seconds.
@@ -102,11 +109,11 @@ public:
     /// @throws InputError as OnlineOpening::attach()
     fem::HookId attach(HookPlacement placement, std::string name, const fem::HookDrive& drive,
         std::optional<fem::HookDrive> planned = {});
-    /// Joins two attached hooks by a rack, as a retractor with blades that were placed by find_blade_placements(). How
-    /// far they are driven apart is its opening.
-    /// @throws InputError when a hook does not exist, has a rack, or pulls with a force, or when the greatest opening
-    /// is not positive
-    void join(std::array<fem::HookId, 2> blades, std::string kind, double greatest_opening_mm);
+    /// Joins two attached hooks by a rack, as a retractor with blades that bear by bear_on_bone(). How far they are
+    /// driven apart tells its opening. Tissue slides along the blades from then on.
+    /// @throws InputError when a hook does not exist, has a rack, or pulls with a force, when the greatest opening is
+    /// not positive, or the play is negative or more than a right angle
+    void join(std::array<fem::HookId, 2> blades, std::string kind, double greatest_opening_mm, double play_rad);
     /// Opens a retractor by its crank, at most as far as it goes. Both blades move, and forget their plan.
     /// @param blade one of its blades
     /// @throws InputError when the hook does not exist or has no rack, or on NaN
@@ -114,8 +121,8 @@ public:
     /// Takes a hook off; of a retractor both blades.
     /// @throws InputError when the hook does not exist
     void take_off(fem::HookId hook);
-    /// Pulls a hook by hand to a displacement, mm from rest. The hook keeps its limit and grip, and forgets its plan. A
-    /// blade that is pulled cranks its retractor.
+    /// Pulls a hook by hand to a displacement, mm from rest. The hook keeps its limit and grip, and forgets its plan.
+    /// Of a blade this is how far its arm shall move along its pull, which cranks its retractor.
     /// @throws InputError when the hook does not exist, or on NaN
     void pull(fem::HookId hook, const Vec3& asked);
     void pull_all(double mm); ///< each hook along its own pull direction; retractors open by twice as much
@@ -159,6 +166,7 @@ private:
         RackBalance balance {};
     };
     Rack* rack_of(fem::HookId hook); ///< null: the hook has none
+    static double arm_mm(const Rack& rack, std::size_t blade);
     std::array<fem::HookDrive, 2> drives_of(const Rack& rack) const;
     void open_rack(Rack& rack, double opening_mm);
     struct HookNumbers {

@@ -282,6 +282,9 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
             throw InputError("there is no wall to cut", "approach broken");
         ui::SurgeryInput input { .setup = planner::layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm }),
             .surroundings = {} };
+        input.setup.approach.incision = { { -30.0, 0.0, 0.0 }, { 30.0, 0.0, 0.0 } };
+        input.setup.approach.directions.assign(2, Vec3::UnitY());
+        input.setup.approach.depth_mm = 15.0;
         if (!control->cuts_folder.empty())
             input.setup.journal = planner::cuts_journal(control->cuts_folder / "case.json", approach.name);
         input.look = [](const TriMesh& wall, const TriMesh&, const Job&) {

@@ -29,6 +29,7 @@ namespace retractor::ui {
 
 namespace {
 
+    constexpr const char* kDivide = "Divide the space";
     constexpr double kDeepestMm = 150.0;
     constexpr int kWidestMm = 40; ///< on each side
     constexpr double kStrongestN = 500.0; ///< the strongest retraction published is 349 N on one side
@@ -158,13 +159,16 @@ namespace {
     }
 
     /// Text of a hook: "left 1   12.3 of 15.0 mm, 60.0 N: yields".
-    QString hook_text(const planner::HookState& hook)
+    QString hook_text(const planner::HookReport& report, const planner::HookState& hook)
     {
         const fem::HookDrive& drive = hook.drive;
-        QString text = QString("%1   %2")
-                           .arg(QString::fromStdString(hook.name).replace('_', ' '))
-                           .arg(hook.displacement.norm(), 0, 'f', 1);
-        if (!drive.force_N && (hook.yielded || std::isfinite(drive.grip_N_per_mm)))
+        const bool is_blade = std::ranges::any_of(report.retractors, [&](const planner::RetractorState& retractor) {
+            return std::ranges::find(retractor.blades, hook.id) != retractor.blades.end();
+        });
+        const Vec3 moved = is_blade ? planner::moved_by_hand(report, hook) : hook.displacement;
+        QString text
+            = QString("%1   %2").arg(QString::fromStdString(hook.name).replace('_', ' ')).arg(moved.norm(), 0, 'f', 1);
+        if (!is_blade && !drive.force_N && (hook.yielded || std::isfinite(drive.grip_N_per_mm)))
             text += QString(" of %1").arg(drive.displacement.norm(), 0, 'f', 1);
         text += " mm, " + newtons(hook.force_N.norm());
         QStringList why;
@@ -187,6 +191,13 @@ namespace {
             .arg(cut.several_tissues ? ", mostly" : " of", QString::fromStdString(cut.taken_out));
     }
 
+    /// "forwards", "to the right".
+    QString way_text(planner::StrokeWay way)
+    {
+        const QString text = QString::fromStdString(std::string(planner::to_string(way)));
+        return way == planner::StrokeWay::right || way == planner::StrokeWay::left ? "to the " + text : text;
+    }
+
     /// What the list says of a cut: "Cut 1   204 mm long, 41 mm deep".
     QString entry_text(const planner::CutEntry& cut)
     {
@@ -198,9 +209,15 @@ namespace {
                 + omitted_text(cut);
         if (cut.restored)
             return QString("Cut %1   restored").arg(cut.number) + wound;
-        return QString("Cut %1   %2 mm long, %3 mm deep")
+        const QString length = QString("%1 mm long").arg(cut.length_mm, 0, 'f', 0);
+        if (cut.divides) // its length may lie beyond the mesh in part
+            return QString("Cut %1   under the skin, %2, %3 cm²")
+                .arg(cut.number)
+                .arg(way_text(*cut.divides))
+                .arg(cut.report.lip_area_mm2 / 100.0, 0, 'f', 1);
+        return QString("Cut %1   %2%3, %4 mm deep")
                    .arg(cut.number)
-                   .arg(cut.length_mm, 0, 'f', 0)
+                   .arg(cut.as_planned ? "as planned, " : "", length)
                    .arg(cut.depth_mm, 0, 'f', 0)
             + omitted_text(cut);
     }
@@ -209,7 +226,7 @@ namespace {
     QString mesh_text(const planner::CutEntry& cut)
     {
         const mesh::CutReport& r = cut.report;
-        if (cut.restored)
+        if (cut.restored || cut.divides)
             return {};
         if (!cut.taken_out.empty())
             return QString("%1 elements removed, %2 cm² of new surface, %3 ms")
@@ -253,6 +270,7 @@ KnifePanel::KnifePanel(QWidget* parent)
     auto* column = new QVBoxLayout(page);
     column->addWidget(make_question());
     column->addLayout(make_settings());
+    column->addLayout(make_planned_cuts());
     column->addLayout(make_buttons());
     column->addWidget(make_cut_list());
     column->addWidget(make_hooks());
@@ -318,6 +336,32 @@ QFormLayout* KnifePanel::make_settings()
             radius == 0 ? QString("a loose piece") : QString("one tissue within %1 mm").arg(radius), radius);
     form->addRow("Take out", removal_);
     return form;
+}
+
+QHBoxLayout* KnifePanel::make_planned_cuts()
+{
+    auto* buttons = new QHBoxLayout;
+    cut_planned_ = add_button(*this, *buttons, "Cut as planned",
+        "Cut the planned incision, with all that the plan divides beyond the skin",
+        [this] { give(planner::surgery::CutAsPlanned {}); });
+    divide_ = add_button(*this, *buttons, kDivide, {}, [this] { give(planner::surgery::DivideBeyondCut {}); });
+    return buttons;
+}
+
+/// What can be cut without drawing now.
+void KnifePanel::show_planned_cuts(const planner::SurgerySnapshot* snapshot)
+{
+    const bool ready = snapshot != nullptr && snapshot->phase == planner::SurgerySnapshot::Phase::ready;
+    const auto extent = ready ? snapshot->division : planner::DivisionExtent::skin;
+    const bool wound = ready && std::ranges::any_of(snapshot->cuts, &planner::CutEntry::in_force);
+    cut_planned_->setEnabled(ready && !wound && !snapshot->stroke_open);
+    divide_->setEnabled(wound && !snapshot->stroke_open && extent != planner::DivisionExtent::skin);
+    divide_->setText(planner::divides_sternum(extent) ? "Saw across" : kDivide);
+    divide_->setToolTip(planner::divides_sternum(extent)
+            ? "Saw the sternum across at the lower end of the last cut, under the skin"
+            : extent == planner::DivisionExtent::full
+            ? "Divide intercostal muscle and pleura beyond both ends of the last cut, under the skin"
+            : "The approach divides nothing beyond the skin");
 }
 
 QHBoxLayout* KnifePanel::make_buttons()
@@ -525,15 +569,15 @@ QString KnifePanel::opening_text(int value) const
 
 /// The slider follows hooks that the mouse or the plan has moved, all of them together. A hook that pulls with a force
 /// follows the slider as its plan states.
-void KnifePanel::show_opening(const std::vector<planner::HookState>& hooks)
+void KnifePanel::show_opening(const planner::HookReport& report)
 {
-    if (const std::optional<double> share = planner::share_of_plan(hooks)) {
+    if (const std::optional<double> share = planner::share_of_plan(report.hooks)) {
         set_opening(static_cast<int>(std::lround(100.0 * *share)), true);
         return;
     }
     double mm = 0.0;
-    for (const planner::HookState& hook : hooks)
-        mm += hook.drive.displacement.dot(hook.placement.pull) / static_cast<double>(hooks.size());
+    for (const planner::HookState& hook : report.hooks)
+        mm += planner::moved_by_hand(report, hook).dot(hook.placement.pull) / static_cast<double>(report.hooks.size());
     set_opening(static_cast<int>(std::lround(mm)), false);
 }
 
@@ -562,7 +606,7 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
         const planner::HookState& hook = report.hooks[static_cast<std::size_t>(i)];
         if (hooks_->count() <= i)
             hooks_->addItem(QString());
-        hooks_->item(i)->setText(hook_text(hook));
+        hooks_->item(i)->setText(hook_text(report, hook));
         hook_ids_.push_back(hook.id);
     }
     report_ = report;
@@ -586,7 +630,7 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
     // Changes the unit at once. Otherwise a slider in mm would move hooks that are driven by their share of the plan.
     const bool other_unit = planner::share_of_plan(report.hooks).has_value() != by_share_;
     if (count == 0 || other_unit || (report.settled && !opening_->isSliderDown()))
-        show_opening(report.hooks);
+        show_opening(report);
     const QString warning = report.refusal.empty() ? remarks(report) : QString::fromStdString(report.refusal);
     refusal_->setText(warning);
     refusal_->setVisible(!warning.isEmpty());
@@ -674,6 +718,7 @@ void KnifePanel::show_snapshot(const planner::SurgerySnapshot* snapshot, double 
         question_text_->setText(snapshot->saved_cuts == 0
                 ? QString("The last session saved cuts that were undone. Restore them?")
                 : QString("Restore the cuts of the last session (%1)?").arg(snapshot->saved_cuts));
+    show_planned_cuts(snapshot);
     show_hooks(snapshot);
     undo_->setEnabled(ready && snapshot->can_undo);
     redo_->setEnabled(ready && snapshot->can_redo);

@@ -60,6 +60,8 @@ public:
     QCheckBox& nonlinear_box() { return *nonlinear_; }
     QString opening_text() const; ///< text beside the slider
     QListWidget& hook_list() { return *hooks_; }
+    QPushButton& cut_planned_button() { return *cut_planned_; }
+    QPushButton& divide_button() { return *divide_; }
     QPushButton& planned_hooks_button() { return *planned_; }
     QPushButton& plan_retractor_button() { return *to_plan_; }
     QString hook_numbers() const; ///< text on the panel
@@ -75,6 +77,8 @@ protected:
 private:
     QWidget* make_question();
     QFormLayout* make_settings();
+    QHBoxLayout* make_planned_cuts();
+    void show_planned_cuts(const planner::SurgerySnapshot* snapshot);
     QHBoxLayout* make_buttons();
     QListWidget* make_cut_list();
     QWidget* make_hooks();
@@ -82,7 +86,7 @@ private:
     void take_off_chosen_hook();
     void plan_chosen_retractor();
     void show_hooks(const planner::SurgerySnapshot* snapshot);
-    void show_opening(const std::vector<planner::HookState>& hooks);
+    void show_opening(const planner::HookReport& report);
     void set_opening(int value, bool by_share);
     static QString solver_text(const planner::HookReport& report);
     QString opening_text(int value) const;
@@ -95,6 +99,7 @@ private:
     QWidget* question_ = nullptr; ///< question whether to restore the cuts of the last session
     QLabel* question_text_ = nullptr;
     QPushButton *restore_ = nullptr, *discard_ = nullptr;
+    QPushButton *cut_planned_ = nullptr, *divide_ = nullptr;
     QPushButton *undo_ = nullptr, *redo_ = nullptr, *export_ = nullptr;
     QLabel *state_ = nullptr, *sight_ = nullptr, *solver_ = nullptr;
     QCheckBox* technical_ = nullptr;

@@ -64,16 +64,32 @@ namespace {
         return std::find(retractor.blades.begin(), retractor.blades.end(), id) != retractor.blades.end();
     }
 
-    bool is_blade(const planner::HookReport& report, fem::HookId id)
+    /// A blade hangs on its arm, turned about it: the steel lies where the rack puts it, while tissue slides along it.
+    planner::HookShape blade_shape(
+        const planner::HookReport& report, const planner::RetractorState& retractor, std::size_t blade)
     {
-        return std::any_of(report.retractors.begin(), report.retractors.end(),
-            [&](const planner::RetractorState& retractor) { return is_blade_of(retractor, id); });
+        const auto* hook = hook_of(report, retractor.blades[blade]);
+        if (hook == nullptr)
+            return {};
+        const planner::HookPlacement& placement = hook->placement;
+        const Eigen::AngleAxisd turn(retractor.turn_rad[blade], placement.pull.cross(placement.inward).normalized());
+        const Vec3 inward = turn * placement.inward;
+        return { .name = hook->name,
+            .position = placement.arm + retractor.arm_mm[blade] * placement.pull + 0.5 * placement.height_mm * inward,
+            .pull = turn * placement.pull,
+            .outward = -inward,
+            .width_mm = placement.width_mm,
+            .depth_mm = placement.height_mm,
+            .shaft_mm = kBladeShaftMm };
     }
 
     TriMesh steel_of(const planner::HookState& hook, const planner::SurgerySnapshot& snapshot)
     {
-        return planner::hook_mesh(
-            shape_of(hook, *snapshot.picture, is_blade(snapshot.hooks, hook.id) ? kBladeShaftMm : kShaftMm));
+        for (const planner::RetractorState& retractor : snapshot.hooks.retractors)
+            for (std::size_t blade = 0; blade < 2; ++blade)
+                if (retractor.blades[blade] == hook.id)
+                    return planner::hook_mesh(blade_shape(snapshot.hooks, retractor, blade));
+        return planner::hook_mesh(shape_of(hook, *snapshot.picture, kShaftMm));
     }
 
     /// The arms and the rack of a retractor.
@@ -83,8 +99,7 @@ namespace {
         const auto* second = hook_of(snapshot.hooks, retractor.blades[1]);
         return first == nullptr || second == nullptr
             ? TriMesh {}
-            : planner::rack_mesh(shape_of(*first, *snapshot.picture, kBladeShaftMm),
-                shape_of(*second, *snapshot.picture, kBladeShaftMm));
+            : planner::rack_mesh(blade_shape(snapshot.hooks, retractor, 0), blade_shape(snapshot.hooks, retractor, 1));
     }
 
     void append(TriMesh& all, const TriMesh& mesh)
@@ -509,7 +524,7 @@ void KnifeTool::take_hook(const QPointF& at)
     say({}, false);
     if (const planner::HookState* hook = hook_under(ray, touched))
         grip_ = Grip { hook->id, shown_centre(*hook, *shown()->snapshot->picture),
-            hook->drive.force_N ? hook->displacement : hook->drive.displacement, Vec3::Zero() };
+            planner::moved_by_hand(shown()->snapshot->hooks, *hook), Vec3::Zero() };
     else if (touched && panel_.instrument())
         return run(planner::surgery::PlaceRetractor { *touched, *panel_.instrument() });
     else if (touched)

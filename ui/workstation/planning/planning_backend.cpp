@@ -7,6 +7,7 @@
 #include "planner/approach/bearing_points.h"
 #include "planner/approach/blade_change.h"
 #include "planner/approach/divided_bones.h"
+#include "planner/approach/find_division.h"
 #include "planner/approach/retractors.h"
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
@@ -119,13 +120,14 @@ namespace {
     }
 
     /// The setup of a surgery session. The wall is meshed as in plan_approach(), so the session cuts the elements of
-    /// the plan; it is not meshed along a division beyond the incision, which only plans make.
-    SurgeryInput make_surgery_input(planner::Patient& patient, const planner::Approach& approach, const Job& job)
+    /// the plan; it is not meshed along a division beyond the incision, which would nearly double it.
+    SurgeryInput make_surgery_input(planner::Patient& patient, planner::Approach approach, const Job& job)
     {
         planner::check_approach(approach);
         const planner::Case& planned_case = patient.planned_case();
         const auto labels = patient.labels();
         const mesh::MeshSizing sizing = planner::mesh_sizing_of(approach, planned_case.label_table);
+        planner::find_division(approach, patient); // after the sizing: the mesh need not reach along it
         mesh::HybridModel model = planner::build_wall(*labels, sizing, job);
         if (model.status != mesh::MeshStatus::done)
             throw InputError(
@@ -149,14 +151,8 @@ namespace {
         setup.journal = planner::cuts_journal(planned_case.file(), approach.name);
         setup.materials = planner::materials_as_solved(patient, planner::ElementKind::p1);
         setup.caution = not_as_planned(planned_case);
-        if (approach.division.extent == planner::DivisionExtent::full)
-            remark(setup.caution,
-                "plans divide intercostal muscle and pleura beyond the incision, cutting by hand divides them where "
-                "you "
-                "cut");
-        if (planner::divides_sternum(approach.division.extent))
-            remark(
-                setup.caution, "plans saw the sternum across under the skin, cutting by hand divides it where you cut");
+        if (!approach.division.strokes.empty())
+            remark(setup.caution, "what is divided beyond the skin ends where the meshed wall does");
         setup.write_wall
             = [](const std::filesystem::path& file, const mesh::TetMesh& wall) { mesh::write_vtu(file, wall); };
         Vec3 inward = Vec3::Zero();
@@ -276,6 +272,8 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
     backend.surgery_input = [patient](const planner::Approach& approach, const Job& job) {
         SurgeryInput input = make_surgery_input(*patient, approach, job);
         // The knife does not wait for what only the first look needs.
+        input.setup.find_division
+            = [patient](planner::Approach& by_hand) { planner::find_division(by_hand, *patient); };
         input.look = [patient, approach, view = std::make_shared<std::unique_ptr<const planner::LiveView>>()](
                          const TriMesh& wall, const TriMesh& beyond, const Job& looking) {
             if (*view == nullptr)

@@ -249,8 +249,10 @@ void PictureView::set_pixel_ratio(double ratio)
     if (ratio == before)
         return;
     setCustomDevicePixelRatio(ratio == devicePixelRatioF() ? 0.0 : ratio); // 0: as Qt has it, on each screen
-    drawn_->window->SetSize(
-        static_cast<int>(std::lround(ratio * width())), static_cast<int>(std::lround(ratio * height())));
+    const int across = static_cast<int>(std::lround(ratio * width())),
+              down = static_cast<int>(std::lround(ratio * height()));
+    drawn_->window->SetSize(across, down);
+    interactor()->SetSize(across, down); // counts the mouse's rows from below
     // A drag goes on from where the mouse is, in the new pixels.
     int at[2] = { 0, 0 };
     interactor()->GetEventPosition(at);
@@ -545,6 +547,13 @@ bool PictureView::event(QEvent* event)
         }
         if (step_slice(*static_cast<QWheelEvent*>(event)) || step_cut(*static_cast<QWheelEvent*>(event)))
             return true;
+        if (const double ratio = effectiveDevicePixelRatio(); ratio != 1.0) {
+            // VTK 9.1 scales the place of a press and of a move to the picture's pixels, but not that of the wheel.
+            const auto& wheel = *static_cast<QWheelEvent*>(event);
+            QWheelEvent scaled(ratio * wheel.position(), wheel.globalPosition(), wheel.pixelDelta(), wheel.angleDelta(),
+                wheel.buttons(), wheel.modifiers(), wheel.phase(), wheel.inverted());
+            return QVTKOpenGLNativeWidget::event(&scaled);
+        }
         break;
     default:
         break;

@@ -722,6 +722,36 @@ namespace wound_hooks_test {
         EXPECT_LE(report.retractors[0].imbalance, RackBalance::kTolerance);
     }
 
+    TEST(WoundHooks, ABladeWithPlayTurnsAndKeepsItsOpeningWhenTheWallIsSolvedAnew)
+    {
+        SurgerySession live_session(layered_wall());
+        EXPECT_TRUE(draw(live_session, { 30.0, 0.0, 45.0 }, { 90.0, 0.0, 45.0 }).done);
+        RetractorKind kind = small_retractor();
+        kind.play_deg = 12.0;
+        ASSERT_TRUE(live_session.place_retractor(at(live_session, 60.0, 48.0), kind).done);
+        live_session.crank(live_session.hooks().hooks[0].id, 10.0);
+        settle(live_session);
+        const HookReport before = live_session.hooks();
+        const RetractorState& open = before.retractors.at(0);
+        EXPECT_NEAR(open.opening_mm, 10.0, 1e-9);
+        EXPECT_NEAR(open.arm_mm[0] + open.arm_mm[1], 10.0, 1e-9);
+        double tissue_mm = 0.0;
+        for (std::size_t i = 0; i < 2; ++i) {
+            const HookState& blade = before.hooks[i];
+            EXPECT_GT(open.turn_rad[i], 0.1);
+            EXPECT_NEAR(blade.displacement.dot(blade.placement.pull),
+                open.arm_mm[i] - blade.placement.lever_mm * std::sin(open.turn_rad[i]), 1e-6);
+            EXPECT_EQ(moved_by_hand(before, blade), Vec3(open.arm_mm[i] * blade.placement.pull));
+            tissue_mm += blade.displacement.dot(blade.placement.pull);
+        }
+        EXPECT_LT(tissue_mm, 9.0) << "below the arms the tissue moves less";
+        live_session.set_tension(0.04);
+        settle(live_session);
+        const RetractorState after = live_session.hooks().retractors.at(0);
+        EXPECT_NEAR(after.opening_mm, 10.0, 1e-6);
+        EXPECT_NEAR(after.turn_rad[0], open.turn_rad[0], 1e-6);
+    }
+
     TEST(WoundHooks, ARetractorWhoseBladeIsStoppedSaysHowFarItIs)
     {
         SurgerySession live_session = wound_with_retractor(45.0);

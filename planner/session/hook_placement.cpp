@@ -209,8 +209,8 @@ namespace {
         return true;
     }
 
-    /// Takes the free vertices of the lip under the patch. @return false, with the reason, where there are fewer than
-    /// three; there are no nodes then
+    /// Takes the free vertices of the lip under the patch, or under a wider one up to three times its size.
+    /// @return false, with the reason, where there are fewer than three; there are no nodes then
     bool take_nodes(const WallSurface& surface, std::span<const LipTriangle> lips, const WoundEdges& edges,
         std::span<const char> held, VertexId grip, HookPlacement& placement, std::string& why_not)
     {
@@ -222,20 +222,23 @@ namespace {
                 faces.push_back(lip.vertices);
         mesh::TetMesh vertices; // in the form that hook_patch_nodes() takes
         vertices.vertices = surface.rest;
-        try {
-            placement.nodes = fem::hook_patch_nodes(vertices, faces, placement.centre, placement.along,
-                placement.inward, placement.width_mm, placement.height_mm);
-        } catch (const InputError&) {
-            why_not = "the edge of the wound gives no hold here: press elsewhere on it";
-            return false;
+        // Where the mesh is coarser than the hook, the hook holds what a wider one would.
+        for (const double wider : { 1.0, 1.5, 2.0, 3.0 }) {
+            try {
+                placement.nodes = fem::hook_patch_nodes(vertices, faces, placement.centre, placement.along,
+                    placement.inward, wider * placement.width_mm, wider * placement.height_mm);
+            } catch (const InputError&) {
+                why_not = "the edge of the wound gives no hold here: press elsewhere on it";
+                continue;
+            }
+            std::erase_if(placement.nodes, [&](VertexId v) {
+                return edges.meeting.contains(v)
+                    || (static_cast<std::size_t>(v) < held.size() && held[static_cast<std::size_t>(v)] != 0);
+            });
+            if (placement.nodes.size() >= 3)
+                return true;
+            why_not = "the wound is too small here: fewer than three of its places are free to be held";
         }
-        std::erase_if(placement.nodes, [&](VertexId v) {
-            return edges.meeting.contains(v)
-                || (static_cast<std::size_t>(v) < held.size() && held[static_cast<std::size_t>(v)] != 0);
-        });
-        if (placement.nodes.size() >= 3)
-            return true;
-        why_not = "the wound is too small here: fewer than three of its places are free to be held";
         placement.nodes.clear();
         return false;
     }

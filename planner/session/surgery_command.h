@@ -33,7 +33,7 @@ namespace surgery {
         double radius_mm = 0.0;
     };
 
-    struct Undo { }; ///< does nothing when there is nothing to undo
+    struct Undo { }; ///< see SurgerySession::undo_step(); does nothing when there is nothing to undo
     struct Redo { }; ///< does nothing when there is nothing to redo
     /// Undoes or redoes until this many cuts are active, or as close as possible.
     struct GoTo {

@@ -17,6 +17,7 @@
 #include <map>
 #include <numbers>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 
 namespace retractor::planner {
@@ -290,7 +291,7 @@ KnifeAnswer SurgerySession::finish_stroke()
     entry.omitted = ended->omitted;
     if (!ended->off.empty())
         entry.omitted += (entry.omitted.empty() ? "" : "; ") + ended->off;
-    history_.add(entry);
+    add_cut(entry);
     if (entry.omitted.empty())
         return { true, {} };
     return { true,
@@ -322,7 +323,7 @@ KnifeAnswer SurgerySession::cut_as_planned()
     follow(result.delta);
     CutEntry entry = entry_of(blade, result.report);
     entry.as_planned = true;
-    history_.add(std::move(entry));
+    add_cut(std::move(entry));
     KnifeAnswer answer { true, {} };
     if (approach_.division.extent != DivisionExtent::skin)
         answer.reason = make_strokes(approach_, {}).reason;
@@ -394,7 +395,7 @@ KnifeAnswer SurgerySession::make_strokes(const Approach& divided, const std::set
         follow(cut.deltas.front());
         CutEntry entry { .length_mm = stroke.length_mm, .depth_mm = stroke.depth_mm, .divides = stroke.way };
         entry.report.lip_area_mm2 = cut.divided->severed_mm2;
-        history_.add(std::move(entry));
+        add_cut(std::move(entry));
         answer.done = true;
     }
     if (!answer.done && all)
@@ -503,14 +504,23 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
     follow(result.delta);
     entry.taken_out = label_name(labels_, kind);
     entry.report = result.report;
-    history_.add(entry);
+    add_cut(entry);
     return { true, entry.omitted.empty() ? std::string {} : "a part of the ball was not taken out: " + entry.omitted };
+}
+
+/// Adds a cut that was made, which takes the place of all that is undone.
+void SurgerySession::add_cut(CutEntry entry)
+{
+    history_.add(std::move(entry));
+    hook_steps_.resize(hook_steps_made_);
 }
 
 void SurgerySession::undo()
 {
     follow(session_.undo());
     history_.set_in_force(session_.cut_count(), false);
+    while (hook_steps_made_ > 0 && hook_steps_[hook_steps_made_ - 1].cuts > session_.cut_count())
+        --hook_steps_made_; // they came after this cut
 }
 
 void SurgerySession::redo()
@@ -523,6 +533,102 @@ void SurgerySession::redo()
     else
         follow(delta);
     history_.set_in_force(count - 1, true);
+}
+
+/// Null: the last step is a cut, or there is none.
+const SurgerySession::HookStep* SurgerySession::hook_step_to_undo() const
+{
+    const bool is_last = hook_steps_made_ > 0 && hook_steps_[hook_steps_made_ - 1].cuts == session_.cut_count();
+    return is_last && !stroke_open() ? &hook_steps_[hook_steps_made_ - 1] : nullptr;
+}
+
+const SurgerySession::HookStep* SurgerySession::hook_step_to_redo() const
+{
+    const bool is_next
+        = hook_steps_made_ < hook_steps_.size() && hook_steps_[hook_steps_made_].cuts == session_.cut_count();
+    return is_next && !stroke_open() ? &hook_steps_[hook_steps_made_] : nullptr;
+}
+
+std::string SurgerySession::step_to_undo() const
+{
+    const HookStep* const step = hook_step_to_undo();
+    return step != nullptr ? step->what : can_undo() ? "cut" : "";
+}
+
+std::string SurgerySession::step_to_redo() const
+{
+    const HookStep* const step = hook_step_to_redo();
+    return step != nullptr ? step->what : can_redo() ? "cut" : "";
+}
+
+void SurgerySession::undo_step()
+{
+    const HookStep* const step = hook_step_to_undo();
+    if (step == nullptr)
+        return undo();
+    return_hooks_to(step->before);
+    --hook_steps_made_;
+}
+
+void SurgerySession::redo_step()
+{
+    const HookStep* const step = hook_step_to_redo();
+    if (step == nullptr)
+        return redo();
+    return_hooks_to(step->after);
+    ++hook_steps_made_;
+}
+
+void SurgerySession::return_hooks_to(const HookSet& then)
+{
+    if (then.hooks.empty())
+        return take_hooks_off();
+    if (hooks_ == nullptr) {
+        std::vector<HookPlacement> placements;
+        for (const HookState& hook : then.hooks)
+            placements.push_back(hook.placement);
+        try {
+            make_hooks(placements);
+        } catch (const Error& error) {
+            remark_ = std::string("the wall cannot be opened: ") + error.what();
+            return;
+        }
+    }
+    with_hooks([&] {
+        hooks_->return_to(then);
+        hooks_->frame();
+    });
+}
+
+/// Makes a change of the hooks that can be undone. A change that changes nothing leaves no step.
+template <class Change>
+auto SurgerySession::hook_step(const std::string& what, const std::string& moved, const Change& change)
+{
+    HookSet before = hook_set();
+    const auto note = [&] {
+        HookSet after = hook_set();
+        if (moved.empty() && std::ranges::equal(before.hooks, after.hooks, {}, &HookState::name, &HookState::name))
+            return;
+        hook_steps_.resize(hook_steps_made_);
+        const HookStep* const last = hook_step_to_undo();
+        if (last != nullptr && !moved.empty() && last->moved == moved)
+            hook_steps_.back().after = std::move(after);
+        else
+            hook_steps_.push_back({ .cuts = session_.cut_count(),
+                .what = what,
+                .moved = moved,
+                .before = std::move(before),
+                .after = std::move(after) });
+        hook_steps_made_ = hook_steps_.size();
+    };
+    if constexpr (std::is_void_v<decltype(change())>) {
+        change();
+        note();
+    } else {
+        const auto answer = change();
+        note();
+        return answer;
+    }
 }
 
 std::shared_ptr<const WallSurface> SurgerySession::make_surface() const
@@ -894,6 +1000,11 @@ namespace {
 
 KnifeAnswer SurgerySession::place_hook(const Touch& at)
 {
+    return hook_step("setting the hook", {}, [&] { return attach_hook(at); });
+}
+
+KnifeAnswer SurgerySession::attach_hook(const Touch& at)
+{
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
     std::string why_not;
@@ -948,6 +1059,11 @@ namespace {
 
 KnifeAnswer SurgerySession::place_retractor(const Touch& at, const RetractorKind& kind)
 {
+    return hook_step("setting the retractor", {}, [&] { return attach_retractor(at, kind); });
+}
+
+KnifeAnswer SurgerySession::attach_retractor(const Touch& at, const RetractorKind& kind)
+{
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
     std::string why_not;
@@ -978,14 +1094,16 @@ KnifeAnswer SurgerySession::place_retractor(const Touch& at, const RetractorKind
         return answer;
     }
     for (const fem::HookId one : attached)
-        take_off_hook(one);
+        if (has_hook(one))
+            change_hooks([&] { hooks_->take_off(one); });
     return { false, "both blades must find a hold: " + (answer.reason.empty() ? take_remark() : answer.reason) };
 }
 
 void SurgerySession::crank(fem::HookId blade, double opening_mm)
 {
     if (has_hook(blade))
-        change_hooks([&] { hooks_->crank(blade, opening_mm); });
+        hook_step("cranking the retractor", hook_name(blade),
+            [&] { change_hooks([&] { hooks_->crank(blade, opening_mm); }); });
 }
 
 /// Gives the blades of a planned retractor that is opened by a distance their rack.
@@ -1040,6 +1158,11 @@ namespace {
 
 KnifeAnswer SurgerySession::take_planned_hooks()
 {
+    return hook_step("opening as planned", {}, [&] { return attach_planned_hooks(); });
+}
+
+KnifeAnswer SurgerySession::attach_planned_hooks()
+{
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
     if (approach_.hooks.empty())
@@ -1072,17 +1195,18 @@ KnifeAnswer SurgerySession::take_planned_hooks()
 void SurgerySession::pull_hook(fem::HookId hook, const Vec3& asked)
 {
     if (has_hook(hook))
-        change_hooks([&] { hooks_->pull(hook, asked); });
+        hook_step("moving the " + hook_name(hook), hook_name(hook),
+            [&] { change_hooks([&] { hooks_->pull(hook, asked); }); });
 }
 
 void SurgerySession::pull_all_hooks(double mm)
 {
-    change_hooks([&] { hooks_->pull_all(mm); });
+    hook_step("opening all hooks", "all", [&] { change_hooks([&] { hooks_->pull_all(mm); }); });
 }
 
 void SurgerySession::pull_hooks_by_share(double share)
 {
-    change_hooks([&] { hooks_->pull_share(share); });
+    hook_step("opening all hooks", "all", [&] { change_hooks([&] { hooks_->pull_share(share); }); });
 }
 
 void SurgerySession::set_yield(double force_N)
@@ -1102,13 +1226,25 @@ void SurgerySession::set_nonlinear(bool wanted)
 void SurgerySession::take_off_hook(fem::HookId hook)
 {
     if (has_hook(hook))
-        change_hooks([&] { hooks_->take_off(hook); });
+        hook_step("taking off the " + hook_name(hook), {}, [&] { change_hooks([&] { hooks_->take_off(hook); }); });
 }
 
 void SurgerySession::take_off_hooks()
 {
+    hook_step("taking off all hooks", {}, [&] { take_hooks_off(); });
+}
+
+void SurgerySession::take_hooks_off()
+{
     if (hooks_ != nullptr)
         hooks_taken_off();
+}
+
+std::string SurgerySession::hook_name(fem::HookId hook) const
+{
+    const std::vector<HookState>& there = hooks_->report().hooks;
+    const auto found = std::ranges::find(there, hook, &HookState::id);
+    return found == there.end() ? std::string {} : found->name;
 }
 
 void SurgerySession::relax(double milliseconds, const Job& job)

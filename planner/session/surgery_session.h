@@ -135,9 +135,18 @@ public:
 
     bool can_undo() const { return !stroke_open() && session_.can_undo(); }
     bool can_redo() const { return !stroke_open() && session_.can_redo(); }
+    /// Undoes (redoes) a cut; hooks stay as long as they hold.
     /// @throws InputError when there is nothing to undo (redo), or a stroke is open
     void undo();
     void redo();
+    /// The last step, of a hook or a cut, that can be undone (redone), in words: "setting the retractor", "cut".
+    /// Successive moves of one hook are one step. Empty: none.
+    std::string step_to_undo() const;
+    std::string step_to_redo() const;
+    /// Undoes (redoes) that step.
+    /// @throws as undo() and redo()
+    void undo_step();
+    void redo_step();
 
     /// Sets the strain of the wall's tissue. When the materials have pre-strains (the case's tension), these are scaled
     /// so that the largest has this value. Else all soft tissue gets this strain in all directions of the skin's plane,
@@ -205,6 +214,22 @@ public:
 
 private:
     struct Stroke;
+    struct HookStep {
+        std::size_t cuts = 0; ///< number of cuts in force at the step
+        std::string what; ///< for the surgeon
+        std::string moved; ///< what was moved; empty: hooks were set or taken off
+        HookSet before, after;
+    };
+    void add_cut(CutEntry entry);
+    HookSet hook_set() const { return hooks_ != nullptr ? hooks_->hook_set() : HookSet {}; }
+    template <class Change> auto hook_step(const std::string& what, const std::string& moved, const Change& change);
+    void return_hooks_to(const HookSet& then);
+    const HookStep* hook_step_to_undo() const;
+    const HookStep* hook_step_to_redo() const;
+    std::string hook_name(fem::HookId hook) const;
+    KnifeAnswer attach_retractor(const Touch& at, const RetractorKind& kind);
+    KnifeAnswer attach_hook(const Touch& at);
+    KnifeAnswer attach_planned_hooks();
     std::optional<mesh::Piece> free_piece_at(const Touch& at, std::string& why_not) const;
     std::string leave_out_what_stays(std::vector<TetId>& marked) const;
     KnifeAnswer cut_to(std::vector<Vec3> points, std::vector<Vec3> directions);
@@ -232,6 +257,7 @@ private:
     void join_planned_blades();
     void drop_hooks(const std::string& why);
     void hooks_taken_off();
+    void take_hooks_off();
     KnifeAnswer attach(std::vector<HookPlacement> placements, const std::vector<std::string>& names,
         const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted);
     template <class Call> void with_hooks(const Call& call);
@@ -276,6 +302,8 @@ private:
     int hooks_made_ = 0; ///< number of solvers made for hooks
     double yield_N_ = std::numeric_limits<double>::infinity();
     int hooks_placed_ = 0, retractors_placed_ = 0; ///< by hand, for their names
+    std::vector<HookStep> hook_steps_; ///< the oldest first
+    std::size_t hook_steps_made_ = 0; ///< the others are undone
     double iterations_per_ms_ = 1.0; ///< measured speed of the relaxation
     double reach_mm_ = 0.0; ///< distance from the wound within which tissue moves now
     int still_frames_ = 0;

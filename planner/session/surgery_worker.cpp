@@ -79,13 +79,13 @@ struct SurgeryWorker::Runner {
 
     void operator()(const surgery::Undo&) const
     {
-        if (live_session.can_undo())
-            live_session.undo();
+        if (!live_session.step_to_undo().empty())
+            live_session.undo_step();
     }
     void operator()(const surgery::Redo&) const
     {
-        if (live_session.can_redo())
-            live_session.redo();
+        if (!live_session.step_to_redo().empty())
+            live_session.redo_step();
     }
     void operator()(const surgery::GoTo& c) const
     {
@@ -244,8 +244,8 @@ void SurgeryWorker::publish(SurgerySession& live_session)
             next.picture_ms = picture_ms;
         next.picture = picture;
         next.cuts = live_session.cuts();
-        next.can_undo = live_session.can_undo();
-        next.can_redo = live_session.can_redo();
+        next.to_undo = live_session.step_to_undo();
+        next.to_redo = live_session.step_to_redo();
         next.stroke_open = live_session.stroke_open();
         next.refused_stroke = refused_stroke_;
         next.step_ms = live_session.step_ms();

@@ -46,7 +46,8 @@ struct SurgerySnapshot {
     std::shared_ptr<const std::vector<EdgePlace>> outline;
     std::shared_ptr<const WallPicture> picture;
     std::vector<CutEntry> cuts;
-    bool can_undo = false, can_redo = false, stroke_open = false;
+    std::string to_undo, to_redo; ///< the step of Undo and Redo, as SurgerySession::step_to_undo(); empty: none
+    bool stroke_open = false;
     std::size_t refused_stroke = 0; ///< number of the last stroke when it could not be begun; 0: the stroke was begun
     std::string answer; ///< last message for the surgeon
     bool refused = false; ///< the message says why a command was refused

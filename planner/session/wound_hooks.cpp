@@ -322,6 +322,49 @@ void WoundHooks::crank(fem::HookId blade, double opening_mm)
         state(one).planned.reset();
 }
 
+HookSet WoundHooks::hook_set() const
+{
+    HookSet set { report_.hooks, report_.retractors };
+    std::vector<VertexId> held = opening_.held_vertices();
+    std::sort(held.begin(), held.end());
+    for (HookState& hook : set.hooks)
+        std::erase_if(
+            hook.placement.nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
+    return set;
+}
+
+void WoundHooks::return_to(const HookSet& then)
+{
+    const auto named = [](const std::vector<HookState>& hooks, const std::string& name) {
+        return std::ranges::find(hooks, name, &HookState::name);
+    };
+    for (const HookState& hook : std::vector<HookState>(report_.hooks))
+        if (has(hook.id) && named(then.hooks, hook.name) == then.hooks.end())
+            take_off(hook.id);
+    std::map<fem::HookId, fem::HookId> now; // from the ids of that time
+    for (const HookState& hook : then.hooks) {
+        const auto there = named(report_.hooks, hook.name);
+        now[hook.id]
+            = there != report_.hooks.end() ? there->id : attach(hook.placement, hook.name, hook.drive, hook.planned);
+    }
+    std::map<fem::HookId, fem::HookDrive> drives;
+    for (const HookState& hook : then.hooks)
+        drives[now.at(hook.id)] = hook.drive;
+    for (const RetractorState& retractor : then.retractors) {
+        const std::array blades { now.at(retractor.blades[0]), now.at(retractor.blades[1]) };
+        if (rack_of(blades[0]) == nullptr)
+            join(blades, retractor.kind, retractor.greatest_opening_mm, retractor.play_rad);
+        Rack& rack = *rack_of(blades[0]);
+        open_rack(rack, retractor.opening_mm);
+        const auto of_rack = drives_of(rack);
+        for (std::size_t i = 0; i < 2; ++i)
+            drives[blades[i]] = of_rack[i];
+    }
+    drive(drives);
+    for (const HookState& hook : then.hooks)
+        state(now.at(hook.id)).planned = hook.planned;
+}
+
 /// Forces by which the rack pushes the blades outwards along it.
 std::array<double, 2> WoundHooks::rack_forces(const Rack& rack, const std::map<fem::HookId, HookNumbers>& numbers) const
 {

@@ -92,6 +92,12 @@ struct HookReport {
     std::string refusal; ///< why the present wound cannot be opened; the last solution stays shown
 };
 
+/// Hooks and retractors as they are set, to come back to them. A hook is known by its name.
+struct HookSet {
+    std::vector<HookState> hooks;
+    std::vector<RetractorState> retractors; ///< their blades are among the hooks
+};
+
 /// How far a hook has been moved from rest: of the blade of a retractor its arm, which moves further than the tissue
 /// under the blade; of a hook that pulls with a force the tissue.
 Vec3 moved_by_hand(const HookReport& report, const HookState& hook);
@@ -125,6 +131,11 @@ public:
     /// Of a blade this is how far its arm shall move along its pull, which cranks its retractor.
     /// @throws InputError when the hook does not exist, or on NaN
     void pull(fem::HookId hook, const Vec3& asked);
+    /// The hooks as they are set, with the vertices that they still hold.
+    HookSet hook_set() const;
+    /// Sets hooks as they were: takes the others off, attaches those that are missing, and drives all as then.
+    /// @throws InputError as attach() and join()
+    void return_to(const HookSet& then);
     void pull_all(double mm); ///< each hook along its own pull direction; retractors open by twice as much
     /// Drives all planned hooks to this share of their planned force and displacement. Hooks pulled by hand stay.
     /// @throws InputError on NaN

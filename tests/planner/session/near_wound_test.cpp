@@ -549,7 +549,7 @@ namespace near_wound_test {
         EXPECT_EQ(pulled.hooks.shown, ShownAnswer::nonlinear);
         EXPECT_LT(pulled.hooks.residual, kSettled);
         EXPECT_TRUE(pulled.hooks.settled);
-        worker.run(surgery::Undo {});
+        worker.run(surgery::GoTo { 0 });
         wait();
         EXPECT_TRUE(worker.snapshot()->hooks.hooks.empty());
     }

@@ -801,13 +801,13 @@ namespace surgery_session_test {
         wait_for(worker);
         const SurgerySnapshot cut = *worker.snapshot();
         ASSERT_EQ(cut.cuts.size(), 1U);
-        EXPECT_TRUE(cut.can_undo);
+        EXPECT_EQ(cut.to_undo, "cut");
         EXPECT_NE(cut.picture->surface, snapshot.picture->surface);
         EXPECT_TRUE(held->cuts.empty()) << "a snapshot that was handed out stays as it was";
         worker.run(surgery::Undo {});
         worker.run(surgery::Undo {}); // one too many: nothing happens
         wait_for(worker);
-        EXPECT_FALSE(worker.snapshot()->can_undo);
+        EXPECT_EQ(worker.snapshot()->to_undo, "");
         worker.run(surgery::GoTo { 1 });
         wait_for(worker);
         EXPECT_TRUE(worker.snapshot()->cuts.front().in_force);
@@ -848,7 +848,7 @@ namespace surgery_session_test {
         EXPECT_EQ(worker.snapshot()->cuts.size(), 1U);
         worker.run(surgery::Undo {});
         wait_for(worker);
-        EXPECT_FALSE(worker.snapshot()->can_undo);
+        EXPECT_EQ(worker.snapshot()->to_undo, "");
     }
 
     TEST(SurgeryWorker, SavesTheWallByTheFunctionOfItsSetup)

@@ -678,6 +678,80 @@ namespace wound_hooks_test {
         }
     }
 
+    TEST(WoundHooks, StepsOfTheHooksAreUndoneAndRedoneAmongTheCuts)
+    {
+        constexpr double kBackMm = 0.3; // a retractor floats until its blades bear the same force to a few hundredths
+        SurgerySession live_session(layered_wall());
+        EXPECT_TRUE(draw(live_session, { 20.0, 0.0, 85.0 }, { 90.0, 0.0, 85.0 }).done);
+        ASSERT_TRUE(live_session.place_retractor(at(live_session, 55.0, 88.0), small_retractor()).done);
+        for (const double opening_mm : { 4.0, 6.0, 10.0 }) // notches of the wheel: one step
+            live_session.crank(live_session.hooks().hooks[0].id, opening_mm);
+        settle(live_session);
+        EXPECT_TRUE(draw(live_session, { 20.0, 0.0, 35.0 }, { 90.0, 0.0, 35.0 }).done);
+        const KnifeAnswer placed = live_session.place_hook(at(live_session, 55.0, 38.0));
+        ASSERT_TRUE(placed.done) << placed.reason;
+        const Vec3 where_set = live_session.hooks().hooks[2].displacement;
+        live_session.pull_hook(live_session.hooks().hooks[2].id, Vec3(0.0, 0.0, 3.0));
+        live_session.pull_hook(live_session.hooks().hooks[2].id, Vec3(0.0, 0.0, 5.0));
+        live_session.take_off_hook(live_session.hooks().hooks[0].id);
+        settle(live_session);
+        ASSERT_EQ(live_session.hooks().hooks.size(), 1U);
+        const auto undo = [&](const std::string& what) {
+            EXPECT_EQ(live_session.step_to_undo(), what);
+            live_session.undo_step();
+            settle(live_session);
+            return live_session.hooks();
+        };
+        const HookReport all = undo("taking off the upper blade");
+        ASSERT_EQ(all.retractors.size(), 1U);
+        EXPECT_NEAR(all.retractors[0].opening_mm, 10.0, 1e-9);
+        EXPECT_EQ(undo("moving the hook 1").hooks.size(), 3U);
+        EXPECT_LT((live_session.hooks().hooks[0].displacement - where_set).norm(), kBackMm);
+        EXPECT_EQ(undo("setting the hook").hooks.size(), 2U);
+        EXPECT_EQ(undo("cut").hooks.size(), 2U);
+        const HookReport cranked = live_session.hooks();
+        EXPECT_NEAR(cranked.retractors[0].opening_mm, 10.0, 1e-9);
+        EXPECT_LT(undo("cranking the retractor").retractors[0].opening_mm, 1.0);
+        EXPECT_TRUE(undo("setting the retractor").hooks.empty());
+        EXPECT_TRUE(undo("cut").hooks.empty());
+        EXPECT_EQ(live_session.step_to_undo(), "");
+        for (const char* const what : { "cut", "setting the retractor", "cranking the retractor", "cut",
+                 "setting the hook", "moving the hook 1", "taking off the upper blade" }) {
+            EXPECT_EQ(live_session.step_to_redo(), what);
+            live_session.redo_step();
+            settle(live_session);
+            if (std::string(what) == "moving the hook 1")
+                for (const HookState& hook : live_session.hooks().hooks) {
+                    const auto then = std::ranges::find(all.hooks, hook.name, &HookState::name);
+                    ASSERT_NE(then, all.hooks.end()) << hook.name;
+                    EXPECT_LT((hook.displacement - then->displacement).norm(), kBackMm) << hook.name;
+                }
+        }
+        EXPECT_EQ(live_session.step_to_redo(), "");
+        EXPECT_EQ(live_session.hooks().hooks.size(), 1U);
+    }
+
+    TEST(WoundHooks, ANewStepTakesThePlaceOfThoseThatWereUndone)
+    {
+        SurgerySession live_session = wound_with_retractor(60.0);
+        live_session.crank(live_session.hooks().hooks[0].id, 6.0);
+        live_session.undo_step();
+        live_session.crank(live_session.hooks().hooks[0].id, 3.0);
+        EXPECT_EQ(live_session.step_to_redo(), "");
+        live_session.undo(); // the cut at once, as the list of cuts does
+        settle(live_session);
+        EXPECT_EQ(live_session.step_to_undo(), "");
+        EXPECT_TRUE(live_session.hooks().hooks.empty());
+        live_session.redo();
+        settle(live_session);
+        EXPECT_EQ(live_session.step_to_redo(), "setting the retractor");
+        live_session.redo_step();
+        live_session.redo_step();
+        settle(live_session);
+        ASSERT_EQ(live_session.hooks().retractors.size(), 1U);
+        EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 3.0, 1e-9);
+    }
+
     TEST(WoundHooks, UndoingTheCutTakesItsRetractorOffAndLeavesTheOthers)
     {
         SurgerySession live_session(layered_wall());
@@ -945,7 +1019,8 @@ namespace wound_hooks_test {
         EXPECT_LT(pulled.hooks.residual, kResidual);
         EXPECT_GT(pulled.hooks.strain.p99, 0.0);
         EXPECT_GT(pulled.gape_mm, 4.9);
-        worker.run(surgery::Undo {});
+        EXPECT_EQ(pulled.to_undo, "moving the " + pulled.hooks.hooks[0].name);
+        worker.run(surgery::GoTo { 0 });
         wait();
         EXPECT_TRUE(worker.snapshot()->hooks.hooks.empty());
         EXPECT_NE(worker.snapshot()->answer.find("lost its tissue"), std::string::npos) << worker.snapshot()->answer;

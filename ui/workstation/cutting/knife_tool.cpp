@@ -391,8 +391,9 @@ void KnifeTool::show_picture()
 void KnifeTool::watch_sight()
 {
     const planner::SurgerySnapshot& snapshot = *shown()->snapshot;
-    if (snapshot.phase != planner::SurgerySnapshot::Phase::ready || !snapshot.can_undo || snapshot.stroke_open) {
-        if (!snapshot.can_undo && !snapshot.stroke_open)
+    const bool wound = std::ranges::any_of(snapshot.cuts, &planner::CutEntry::in_force);
+    if (snapshot.phase != planner::SurgerySnapshot::Phase::ready || !wound || snapshot.stroke_open) {
+        if (!wound && !snapshot.stroke_open)
             sight_.forget();
     } else {
         sight_.watch(snapshot.picture, beyond_, *shown()->look);

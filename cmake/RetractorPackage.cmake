@@ -76,6 +76,8 @@ set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
 # libcholmod3 is content with the reference BLAS, which is ten times slower; the drivers are loaded at run time.
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "libopenblas0, libegl-mesa0, libgl1-mesa-dri")
+# For a window in Japanese: its font, and the words of the dialogs that Qt brings along.
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS "fonts-noto-cjk, qttranslations5-l10n")
 # The first line of a description is the project's own.
 set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION "Retractor draws an incision on the skin, cuts the chest wall, pulls the wound
 open with hooks, looks through it at the target, and says in numbers and

@@ -42,6 +42,11 @@ LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \
 LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \
   "$programs/retractor-workstation" --screenshot "$pictures/window-start.png"
 LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \
+  "$programs/retractor-workstation" --language ja --screenshot "$pictures/window-start-ja.png"
+LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \
+  "$programs/retractor-workstation" demo/patient/case.json --language ja --view compare --before --screenshot \
+  "$pictures/window-ja.png"
+LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \
   "$programs/retractor-workstation" demo/patient/case.json --view overview --wall see-through --before --screenshot \
   "$pictures/window-inside.png"
 LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \

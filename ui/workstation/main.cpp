@@ -7,6 +7,7 @@
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
 #include "ui/workstation/benchmark/window_benchmark.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/palpation/palpation_window.h"
 #include "ui/workstation/view/picture_view.h"
@@ -16,8 +17,10 @@
 #include <CLI/CLI.hpp>
 
 #include <QApplication>
+#include <QLibraryInfo>
 #include <QSurfaceFormat>
 #include <QTimer>
+#include <QTranslator>
 
 #include <chrono>
 #include <clocale>
@@ -41,6 +44,7 @@ struct Options {
     std::string model = "fem";
     std::string hand;
     std::string structure;
+    std::string language;
     bool plan = false;
     bool before = false;
     bool palpate = false;
@@ -78,6 +82,9 @@ std::optional<int> parse(int argc, char** argv, Options& options)
                      ->type_name("FILE.obj");
     app.add_option("--palpate", options.structure, "Palpate this structure (label) of the case, e.g. aorta")
         ->type_name("LABEL");
+    app.add_option("--language", options.language,
+           "Language of the window (default: the one chosen in its menu Help, else the system's)")
+        ->check(CLI::IsMember({ "en", "ja" }));
     auto* before = app.add_flag(
         "--before", options.before, "With --screenshot: show the patient before opening, without planning");
     auto* benchmark = app.add_flag("--benchmark", options.benchmark,
@@ -220,6 +227,17 @@ void end_soon(int exit_code)
 /// Whether a person uses the window. A picture of the window and its speed do not depend on where it last was.
 bool for_a_person(const Options& options) { return options.screenshot.empty() && !options.benchmark; }
 
+/// Sets the language of the windows, and that of the dialogs that Qt brings along.
+void speak(QApplication& application, const Options& options)
+{
+    set_language(!options.language.empty() ? QString::fromStdString(options.language)
+            : for_a_person(options)        ? preferred_language()
+                                           : QString("en"));
+    auto* const dialogs = new QTranslator(&application);
+    if (dialogs->load("qtbase_" + language(), QLibraryInfo::location(QLibraryInfo::TranslationsPath)))
+        QApplication::installTranslator(dialogs);
+}
+
 /// Runs the application until its last window is closed, and keeps the window's place. @returns the exit code
 int run_window(const QWidget& window, const QString& name, const Options& options)
 {
@@ -343,6 +361,7 @@ int main(int argc, char** argv)
     // Qt takes over the user's number format. The C library must keep its own format, or numbers in files would change.
     std::setlocale(LC_NUMERIC, "C");
     apply_theme(application);
+    speak(application, options);
     return given.palpable ? run_palpation(std::move(*given.palpable), given.hands, options)
                           : run_planning(std::move(given.planned_case), options);
 }

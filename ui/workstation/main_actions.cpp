@@ -1,6 +1,7 @@
 // The actions of the main window: menus, keys, tool bar and buttons.
 
 #include "ui/scene/linked_slices.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/controls.h"
 
@@ -18,9 +19,10 @@ namespace retractor::ui {
 QAction* MainWindow::add_action(
     QMenu& menu, const QString& text, const QKeySequence& key, const QString& tip, std::function<void()> run)
 {
-    QAction* action = menu.addAction(text);
+    QAction* action = menu.addAction(translated(text));
     action->setShortcut(key);
-    action->setToolTip(key.isEmpty() ? tip : tip + " (" + key.toString(QKeySequence::NativeText) + ")");
+    const QString said = translated(tip);
+    action->setToolTip(key.isEmpty() ? said : said + " (" + key.toString(QKeySequence::NativeText) + ")");
     connect(action, &QAction::triggered, this, [run = std::move(run)] { run(); });
     return action;
 }
@@ -38,10 +40,28 @@ void MainWindow::make_actions()
     add_action(*help, "Save the log…", {}, "What the window said, to be attached to a report of a fault",
         [this] { ask_for_log_file(); });
     add_action(*help, "About Retractor", {}, "Show the version and the licence", [this] { show_about(); });
+    make_language_actions(*help);
     // Keys that work without the menus, in a conference.
     addActions({ surgeon_, overview_, slices_, incision_, compare_, opened_, cancel_, confer_, movie_, report_, linked_,
         reset_view_, keep_view_, notes_action_ });
     make_tool_bar();
+}
+
+/// The language is that of the window's next start: texts that are shown now were composed in this one.
+void MainWindow::make_language_actions(QMenu& menu)
+{
+    QMenu* const languages = menu.addMenu("Language");
+    auto* const group = new QActionGroup(this);
+    for (const Language& one : kLanguages) {
+        QAction* const action
+            = add_action(*languages, one.name, {}, "The language of the window, from the next start on", [this, one] {
+                  prefer_language(one.code);
+                  show_message(QString("The window speaks %1 from its next start on.").arg(one.name));
+              });
+        action->setCheckable(true);
+        action->setChecked(language() == one.code);
+        group->addAction(action);
+    }
 }
 
 void MainWindow::make_file_actions(QMenu& menu)
@@ -231,7 +251,7 @@ void MainWindow::make_tool_bar()
     bar->addActions({ knife_action_, line_action_, hook_action_, take_out_action_ });
     bar->addSeparator();
     bar->addActions({ undo_, redo_ });
-    change_->setIconText("Change…");
+    change_->setIconText(translated("Change…"));
     int place = 0;
     for (QAction* action : { new_approach_, draw_, move_, change_ }) {
         auto* button = unfocused(new QToolButton, action->toolTip());

@@ -6,6 +6,7 @@
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/workstation/conference/decision_dialogs.h"
 #include "ui/workstation/conference/notes_window.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/picture_view.h"
 #include "ui/workstation/view/step_bar.h"
@@ -246,8 +247,8 @@ void MainWindow::keep_view()
         ++number;
     const int generation = generation_;
     bool given = false;
-    const QString name = QInputDialog::getText(
-        this, "Keep this view", "Name of the view:", QLineEdit::Normal, QString("View %1").arg(number), &given)
+    const QString name = QInputDialog::getText(this, translated("Keep this view"), translated("Name of the view:"),
+        QLineEdit::Normal, QString("View %1").arg(number), &given)
                              .trimmed();
     if (!given || name.isEmpty() || generation != generation_)
         return;
@@ -268,7 +269,8 @@ void MainWindow::forget_view()
         names += QString::fromStdString(view.name + " (" + view.approach + ")");
     const int generation = generation_;
     bool chosen = false;
-    const QString name = QInputDialog::getItem(this, "Forget a view", "View:", names, 0, false, &chosen);
+    const QString name
+        = QInputDialog::getItem(this, translated("Forget a view"), translated("View:"), names, 0, false, &chosen);
     const auto at = names.indexOf(name);
     if (!chosen || at < 0 || generation != generation_)
         return;
@@ -350,8 +352,8 @@ void MainWindow::choose_approach()
 
 void MainWindow::ask_for_answered_cases()
 {
-    const QStringList files
-        = QFileDialog::getOpenFileNames(this, "Cases whose answers are summed up", {}, "Case (case.json *.json)");
+    const QStringList files = QFileDialog::getOpenFileNames(
+        this, translated("Cases whose answers are summed up"), {}, translated("Case (case.json *.json)"));
     std::vector<std::filesystem::path> paths;
     for (const QString& file : files)
         paths.emplace_back(file.toStdString());

@@ -1,5 +1,6 @@
 // What the main window saves as files of its own: pictures, movies, the report, the cut wall and the log.
 
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/picture_view.h"
@@ -36,8 +37,9 @@ void MainWindow::save_screenshot(const std::filesystem::path& path)
 
 void MainWindow::ask_for_picture_file()
 {
-    const QString file
-        = with_ending(QFileDialog::getSaveFileName(this, "Save picture", "picture.png", "Picture (*.png)"), ".png");
+    const QString file = with_ending(
+        QFileDialog::getSaveFileName(this, translated("Save picture"), "picture.png", translated("Picture (*.png)")),
+        ".png");
     if (file.isEmpty())
         return;
     log_.hide(file.toStdString());
@@ -51,8 +53,9 @@ void MainWindow::ask_for_picture_file()
 
 void MainWindow::ask_for_export_file()
 {
-    const QString file = with_ending(
-        QFileDialog::getSaveFileName(this, "Export the cut wall", "cut-wall.vtu", "Mesh (*.vtu)"), ".vtu");
+    const QString file = with_ending(QFileDialog::getSaveFileName(this, translated("Export the cut wall"),
+                                         "cut-wall.vtu", translated("Mesh (*.vtu)")),
+        ".vtu");
     if (file.isEmpty())
         return;
     log_.hide(file.toStdString());
@@ -61,7 +64,8 @@ void MainWindow::ask_for_export_file()
 
 void MainWindow::ask_for_log_file()
 {
-    const QString file = QFileDialog::getSaveFileName(this, "Save the log", "retractor-log.txt", "Text (*.txt)");
+    const QString file = QFileDialog::getSaveFileName(
+        this, translated("Save the log"), "retractor-log.txt", translated("Text (*.txt)"));
     if (file.isEmpty())
         return;
     log_.hide(file.toStdString());
@@ -108,11 +112,12 @@ void MainWindow::ask_for_movie_file()
 {
     if (!movie_->isEnabled())
         return;
-    const QString alone = "Movie (*.webm)", with_pictures = "Movie, and every frame as a picture (*.webm)";
+    const QString alone = translated("Movie (*.webm)");
+    const QString with_pictures = translated("Movie, and every frame as a picture (*.webm)");
     QString filter = alone;
     const int generation = generation_;
-    const QString file = with_ending(QFileDialog::getSaveFileName(this, "Save a movie of the plans", "movie.webm",
-                                         alone + ";;" + with_pictures, &filter),
+    const QString file = with_ending(QFileDialog::getSaveFileName(this, translated("Save a movie of the plans"),
+                                         "movie.webm", alone + ";;" + with_pictures, &filter),
         ".webm");
     if (!file.isEmpty() && generation == generation_) // another case may have been opened while the dialog waited
         save_movie(file.toStdString(), filter == with_pictures);
@@ -132,8 +137,9 @@ void MainWindow::ask_for_report_file()
     if (!report_->isEnabled())
         return;
     const int generation = generation_;
-    const QString file
-        = with_ending(QFileDialog::getSaveFileName(this, "Save the report", "report.html", "Report (*.html)"), ".html");
+    const QString file = with_ending(
+        QFileDialog::getSaveFileName(this, translated("Save the report"), "report.html", translated("Report (*.html)")),
+        ".html");
     if (!file.isEmpty() && generation == generation_)
         save_report(file.toStdString());
 }

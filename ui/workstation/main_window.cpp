@@ -12,6 +12,7 @@
 #include "ui/workstation/conference/notes_window.h"
 #include "ui/workstation/help/manual_window.h"
 #include "ui/workstation/labels/label_editor.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/planning/metrics_panel.h"
 #include "ui/workstation/planning/search_dialog.h"
@@ -101,6 +102,7 @@ MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
     make_status_line();
     progress_timer_.setInterval(kProgressMs);
     connect(&progress_timer_, &QTimer::timeout, this, [this] { show_progress(); });
+    translate_texts(*this);
     show_all();
 }
 
@@ -111,9 +113,10 @@ MainWindow::~MainWindow()
 
 bool MainWindow::may_lose(const QString& question_text, const QString& what, const QString& go_on)
 {
-    QMessageBox question(QMessageBox::Question, question_text, what, QMessageBox::NoButton, this);
-    QPushButton* const close = question.addButton("Close", QMessageBox::DestructiveRole);
-    question.setDefaultButton(question.addButton(go_on, QMessageBox::RejectRole));
+    QMessageBox question(
+        QMessageBox::Question, translated(question_text), translated(what), QMessageBox::NoButton, this);
+    QPushButton* const close = question.addButton(translated("Close"), QMessageBox::DestructiveRole);
+    question.setDefaultButton(question.addButton(translated(go_on), QMessageBox::RejectRole));
     question.exec();
     return question.clickedButton() == close;
 }
@@ -306,12 +309,13 @@ void MainWindow::make_labels()
 /// Another program has changed the case: asks whether the labels go into the case as it is on disk now.
 void MainWindow::put_labels_into_changed_case(const std::shared_ptr<const mesh::LabelVolume>& labels)
 {
-    QMessageBox question(QMessageBox::Question, "Save labels",
-        "Another program has changed the case meanwhile. Put the corrected labels into the case as it is now? What you "
-        "changed in the approaches since then is not in it.",
+    QMessageBox question(QMessageBox::Question, translated("Save labels"),
+        translated("Another program has changed the case meanwhile. Put the corrected labels into the case as it is "
+                   "now? What you "
+                   "changed in the approaches since then is not in it."),
         QMessageBox::NoButton, this);
-    QPushButton* const put = question.addButton("Put them in", QMessageBox::AcceptRole);
-    question.setDefaultButton(question.addButton("Go back", QMessageBox::RejectRole));
+    QPushButton* const put = question.addButton(translated("Put them in"), QMessageBox::AcceptRole);
+    question.setDefaultButton(question.addButton(translated("Go back"), QMessageBox::RejectRole));
     question.exec();
     if (question.clickedButton() != put || labels_->session() == nullptr)
         return;
@@ -572,8 +576,8 @@ void MainWindow::show_knife()
 void MainWindow::show_undo()
 {
     const auto name = [](QAction& action, const QString& verb, const std::optional<std::string>& what) {
-        action.setText(what ? verb + ": " + QString::fromStdString(*what) : verb);
-        action.setIconText(verb); // all tools fit into 1280 px
+        action.setText(translated(what ? verb + ": " + QString::fromStdString(*what) : verb));
+        action.setIconText(translated(verb)); // all tools fit into 1280 px
         action.setEnabled(what.has_value());
     };
     std::optional<std::string> to_undo, to_redo;
@@ -589,10 +593,10 @@ void MainWindow::show_undo()
         if (model_->has_measurements())
             to_undo = "the last place";
     } else if (const planner::SurgerySnapshot* snapshot = knife_->snapshot(); snapshot != nullptr) {
-        if (snapshot->can_undo)
-            to_undo = "cut";
-        if (snapshot->can_redo)
-            to_redo = "cut";
+        if (!snapshot->to_undo.empty())
+            to_undo = snapshot->to_undo;
+        if (!snapshot->to_redo.empty())
+            to_redo = snapshot->to_redo;
     } else if (model_) {
         to_undo = model_->edit_to_undo();
         to_redo = model_->edit_to_redo();
@@ -1375,7 +1379,7 @@ void MainWindow::show_progress()
         if (!plans) {
             cancel_button_->setEnabled(true);
             progress_->setValue(static_cast<int>(kProgressSteps * writing.fraction));
-            progress_->setFormat("saving: " + QString::fromStdString(writing.stage));
+            progress_->setFormat(translated("saving: " + writing.stage));
             return;
         }
     }
@@ -1384,8 +1388,8 @@ void MainWindow::show_progress()
     cancel_button_->setEnabled(!cancelling);
     const SerialExecutor::Progress planning = planning_executor_.progress();
     progress_->setValue(static_cast<int>(kProgressSteps * planning.fraction));
-    progress_->setFormat(QString::fromStdString(
-        (index ? model_->approach(*index).name + ": " : std::string()) + (cancelling ? "cancelling" : planning.stage)));
+    progress_->setFormat(QString::fromStdString(index ? model_->approach(*index).name + ": " : std::string())
+        + translated(cancelling ? std::string("cancelling") : planning.stage));
 }
 
 void MainWindow::show_error(const Failure& failure)
@@ -1394,7 +1398,7 @@ void MainWindow::show_error(const Failure& failure)
     tour_case_.clear(); // its patient may be what failed
     log_.add("error", error_);
     message_->setStyleSheet("color: #ff8a80;");
-    message_->setText(QString::fromStdString(error_));
+    message_->setText(translated(error_));
     message_->setToolTip(message_->text());
     start_page_->show_failure(message_->text());
     conference_bar_->show_note(message_->text());
@@ -1405,8 +1409,8 @@ void MainWindow::show_message(const QString& text)
     clear_error();
     log_.add("message", text.toStdString());
     message_->setStyleSheet({});
-    message_->setText(text);
-    conference_bar_->show_note(text);
+    message_->setText(translated(text));
+    conference_bar_->show_note(message_->text());
 }
 
 std::string MainWindow::message_line() const { return message_->text().toStdString(); }
@@ -1422,7 +1426,8 @@ void MainWindow::clear_error()
 
 void MainWindow::ask_for_case()
 {
-    const QString file = QFileDialog::getOpenFileName(this, "Open case", {}, "Case (case.json *.json)");
+    const QString file
+        = QFileDialog::getOpenFileName(this, translated("Open case"), {}, translated("Case (case.json *.json)"));
     if (!file.isEmpty())
         open_file(file.toStdString());
 }
@@ -1439,15 +1444,16 @@ void MainWindow::ask_for_structure()
         names += QString::fromStdString(info.name);
     }
     bool chosen = false;
-    const QString name = QInputDialog::getItem(this, "Palpate",
-        "Structure to palpate (a vessel gets a wall of 2 mm, filled with blood):", names, vessel, false, &chosen);
+    const QString name = QInputDialog::getItem(this, translated("Palpate"),
+        translated("Structure to palpate (a vessel gets a wall of 2 mm, filled with blood):"), names, vessel, false,
+        &chosen);
     if (chosen)
         palpate(name.toStdString());
 }
 
 void MainWindow::show_about()
 {
-    QMessageBox::about(this, "About Retractor",
+    QMessageBox::about(this, translated("About Retractor"),
         "<h3>Retractor " RETRACTOR_VERSION "</h3>"
         "<p>A surgical incision planning workstation: draw the incision, open it with hooks, see what the surgeon will "
         "see.</p>"

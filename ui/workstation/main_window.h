@@ -151,6 +151,7 @@ private:
     QAction* add_action(
         QMenu& menu, const QString& text, const QKeySequence& key, const QString& tip, std::function<void()> run);
     void make_actions();
+    void make_language_actions(QMenu& menu);
     void make_file_actions(QMenu& menu);
     void make_view_actions(QMenu& menu);
     void make_approach_actions(QMenu& menu);

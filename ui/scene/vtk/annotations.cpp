@@ -67,13 +67,24 @@ namespace {
     };
     vtkStandardNewMacro(TextActor)
 
-        vtkSmartPointer<vtkTextActor> text_actor(const std::string& text, int size, const Color& color, bool bold)
+        std::string& annotation_font()
+    {
+        static std::string file;
+        return file;
+    }
+
+    vtkSmartPointer<vtkTextActor> text_actor(const std::string& text, int size, const Color& color, bool bold)
     {
         const vtkSmartPointer<vtkTextActor> actor = vtkSmartPointer<TextActor>::New();
         actor->SetInput(text.c_str());
         actor->SetTextScaleModeToNone();
         vtkTextProperty& property = *actor->GetTextProperty();
-        property.SetFontFamilyToArial();
+        if (annotation_font().empty())
+            property.SetFontFamilyToArial();
+        else {
+            property.SetFontFamily(VTK_FONT_FILE);
+            property.SetFontFile(annotation_font().c_str());
+        }
         property.SetFontSize(size);
         property.SetBold(bold ? 1 : 0);
         property.SetColor(color.r, color.g, color.b);
@@ -246,6 +257,8 @@ namespace {
     }
 
 } // namespace
+
+void set_annotation_font(const std::string& file) { annotation_font() = file; }
 
 double round_length(double longest_mm)
 {

@@ -3,9 +3,15 @@
 
 #include "ui/scene/scene.h"
 
+#include <string>
+
 class vtkRenderer;
 
 namespace retractor::ui {
+
+/// Sets the font of all texts in pictures. Call it before the first picture is drawn.
+/// @param file a font that FreeType reads; empty: VTK's own, which has no Japanese
+void set_annotation_font(const std::string& file);
 
 /// Adds title, notes and legend, inside the view and large enough to be read at arm's length.
 /// @param width, height size of the view in pixels

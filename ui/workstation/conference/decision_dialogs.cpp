@@ -1,6 +1,7 @@
 #include "ui/workstation/conference/decision_dialogs.h"
 
 #include "mesh/base/text_format.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 
 #include <QButtonGroup>
@@ -69,6 +70,7 @@ ChoiceDialog::ChoiceDialog(const std::string& approach, const std::string& plan,
     connect(by_, &QLineEdit::textChanged, this, check);
     connect(why_, &QPlainTextEdit::textChanged, this, check);
     check();
+    translate_texts(*this);
 }
 
 std::string ChoiceDialog::by() const { return trimmed(by_->text()); }
@@ -116,6 +118,7 @@ AnswersDialog::AnswersDialog(const std::string& by, QWidget* parent)
     accept_ = add_buttons(*this, *column, "Keep the answers");
     connect(by_, &QLineEdit::textChanged, this, [this] { show_whether_complete(); });
     show_whether_complete();
+    translate_texts(*this);
 }
 
 void AnswersDialog::show_whether_complete()
@@ -154,7 +157,7 @@ SummaryDialog::SummaryDialog(
     grid->setHorizontalSpacing(16);
     grid->setVerticalSpacing(8);
     for (int n = 0; n < captions.size(); ++n)
-        grid->addWidget(new QLabel("<b>" + captions.at(n) + "</b>"), 0, n);
+        grid->addWidget(new QLabel("<b>" + translated(captions.at(n)) + "</b>"), 0, n);
     const auto summary = planner::summary_of(cases);
     for (std::size_t q = 0; q < summary.size(); ++q) {
         const planner::QuestionSummary& one = summary.at(q);
@@ -182,6 +185,7 @@ SummaryDialog::SummaryDialog(
     auto* buttons = new QDialogButtonBox(QDialogButtonBox::Close);
     column->addWidget(buttons);
     connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
+    translate_texts(*this);
 }
 
 std::string answers_text(const planner::Decisions& decisions)

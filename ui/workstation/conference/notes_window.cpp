@@ -1,5 +1,6 @@
 #include "ui/workstation/conference/notes_window.h"
 
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/theme.h"
 
@@ -41,6 +42,7 @@ NotesWindow::NotesWindow(QWidget* parent)
         const qint64 seconds = since_.elapsed() / kTickMs;
         clock_->setText(QString("%1:%2").arg(seconds / 60).arg(seconds % 60, 2, 10, QChar('0')));
     });
+    translate_texts(*this);
 }
 
 void NotesWindow::start_clock()
@@ -71,7 +73,7 @@ void NotesWindow::show_step(const QString& title, const QString& text, const QSt
     kept_ = note;
     title_->setText(title);
     text_->setText(text);
-    next_->setText(next.isEmpty() ? "This is the last step." : "Next: " + next);
+    next_->setText(translated(next.isEmpty() ? "This is the last step." : "Next: " + next));
     note_->setPlainText(note);
 }
 

@@ -1,5 +1,6 @@
 #include "ui/workstation/cutting/knife_panel.h"
 
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/theme.h"
 
@@ -295,8 +296,8 @@ KnifePanel::KnifePanel(QWidget* parent)
 
 void KnifePanel::show_sight(const QString& text)
 {
-    if (sight_->text() != text)
-        sight_->setText(text);
+    if (sight_->text() != translated(text))
+        sight_->setText(translated(text));
     sight_->setVisible(!text.isEmpty());
 }
 
@@ -356,12 +357,12 @@ void KnifePanel::show_planned_cuts(const planner::SurgerySnapshot* snapshot)
     const bool wound = ready && std::ranges::any_of(snapshot->cuts, &planner::CutEntry::in_force);
     cut_planned_->setEnabled(ready && !wound && !snapshot->stroke_open);
     divide_->setEnabled(wound && !snapshot->stroke_open && extent != planner::DivisionExtent::skin);
-    divide_->setText(planner::divides_sternum(extent) ? "Saw across" : kDivide);
-    divide_->setToolTip(planner::divides_sternum(extent)
+    divide_->setText(translated(QString(planner::divides_sternum(extent) ? "Saw across" : kDivide)));
+    divide_->setToolTip(translated(QString(planner::divides_sternum(extent)
             ? "Saw the sternum across at the lower end of the last cut, under the skin"
             : extent == planner::DivisionExtent::full
             ? "Divide intercostal muscle and pleura beyond both ends of the last cut, under the skin"
-            : "The approach divides nothing beyond the skin");
+            : "The approach divides nothing beyond the skin")));
 }
 
 QHBoxLayout* KnifePanel::make_buttons()
@@ -370,8 +371,8 @@ QHBoxLayout* KnifePanel::make_buttons()
     const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
         return add_button(*this, *buttons, text, tip, run);
     };
-    undo_ = add("Undo", "Undo the last cut (Ctrl+Z)", [this] { give(planner::surgery::Undo {}); });
-    redo_ = add("Redo", "Redo the cut (Ctrl+Shift+Z)", [this] { give(planner::surgery::Redo {}); });
+    undo_ = add("Undo", "Take the last cut or the last change of the hooks back (Ctrl+Z)", [this] { give(planner::surgery::Undo {}); });
+    redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", [this] { give(planner::surgery::Redo {}); });
     export_ = add("Export…", "Save the cut wall as VTU", [this] {
         if (on_export)
             on_export();
@@ -587,10 +588,11 @@ void KnifePanel::set_opening(int value, bool by_share)
     by_share_ = by_share;
     opening_->setRange(0, by_share ? 100 : widest_mm_);
     opening_->setValue(value);
-    opening_->setToolTip(by_share ? "Opens all planned hooks to this percentage of their planned force or "
-                                    "displacement. A hook that you dragged with the mouse stays where it is"
-                                  : "Pulls every hook away from the opposite lip by this distance, in mm on each side. "
-                                    "Drag a single hook with the mouse");
+    opening_->setToolTip(translated(
+        QString(by_share ? "Opens all planned hooks to this percentage of their planned force or "
+                           "displacement. A hook that you dragged with the mouse stays where it is"
+                         : "Pulls every hook away from the opposite lip by this distance, in mm on each side. "
+                           "Drag a single hook with the mouse")));
     opening_text_->setText(opening_text(opening_->value()));
 }
 
@@ -606,7 +608,7 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
         const planner::HookState& hook = report.hooks[static_cast<std::size_t>(i)];
         if (hooks_->count() <= i)
             hooks_->addItem(QString());
-        hooks_->item(i)->setText(hook_text(report, hook));
+        hooks_->item(i)->setText(translated(hook_text(report, hook)));
         hook_ids_.push_back(hook.id);
     }
     report_ = report;
@@ -621,9 +623,9 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
         && std::any_of(
             snapshot->cuts.begin(), snapshot->cuts.end(), [](const planner::CutEntry& cut) { return cut.in_force; });
     planned_->setEnabled(wound && !snapshot->stroke_open && snapshot->planned_hooks > 0);
-    planned_->setToolTip(!ready || snapshot->planned_hooks > 0
+    planned_->setToolTip(translated(QString(!ready || snapshot->planned_hooks > 0
             ? "Set the hooks or the retractor of the approach and open them as planned"
-            : "The approach has no hooks");
+            : "The approach has no hooks")));
     opening_->setEnabled(count > 0);
     hook_off_->setEnabled(count > 0);
     hooks_off_->setEnabled(count > 0);
@@ -632,7 +634,7 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
     if (count == 0 || other_unit || (report.settled && !opening_->isSliderDown()))
         show_opening(report);
     const QString warning = report.refusal.empty() ? remarks(report) : QString::fromStdString(report.refusal);
-    refusal_->setText(warning);
+    refusal_->setText(translated(warning));
     refusal_->setVisible(!warning.isEmpty());
     numbers_->setVisible(count > 0);
     if (count == 0)
@@ -643,7 +645,7 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
     if (report.hooks.size() != 2 * report.retractors.size()) // otherwise the retractors' forces say it
         said
             += QString("%1 on one side, %2 on the other").arg(newtons(report.side_N[0])).arg(newtons(report.side_N[1]));
-    numbers_->setText(said.trimmed());
+    numbers_->setText(translated(said.trimmed()));
 }
 
 /// Numbers of the hooks' solution; empty without hooks.
@@ -701,9 +703,9 @@ void KnifePanel::offer_case_tension(double strain)
         return;
     }
     case_tension_item_ = tension_->count();
-    tension_->addItem(QString("%1 %, as planned").arg(100.0 * strain), strain);
+    tension_->addItem(translated(QString("%1 %, as planned").arg(100.0 * strain)), strain);
     tension_->setItemData(case_tension_item_,
-        "The largest strain in the case. The other choices scale the strains of all tissues in proportion",
+        translated("The largest strain in the case. The other choices scale the strains of all tissues in proportion"),
         Qt::ToolTipRole);
     if (!tension_by_hand_)
         tension_->setCurrentIndex(case_tension_item_);
@@ -715,13 +717,13 @@ void KnifePanel::show_snapshot(const planner::SurgerySnapshot* snapshot, double 
     const bool asking = snapshot != nullptr && snapshot->phase == planner::SurgerySnapshot::Phase::asking;
     question_->setVisible(asking);
     if (asking)
-        question_text_->setText(snapshot->saved_cuts == 0
+        question_text_->setText(translated(snapshot->saved_cuts == 0
                 ? QString("The last session saved cuts that were undone. Restore them?")
-                : QString("Restore the cuts of the last session (%1)?").arg(snapshot->saved_cuts));
+                : QString("Restore the cuts of the last session (%1)?").arg(snapshot->saved_cuts)));
     show_planned_cuts(snapshot);
     show_hooks(snapshot);
-    undo_->setEnabled(ready && snapshot->can_undo);
-    redo_->setEnabled(ready && snapshot->can_redo);
+    undo_->setEnabled(ready && !snapshot->to_undo.empty());
+    redo_->setEnabled(ready && !snapshot->to_redo.empty());
     export_->setEnabled(ready && !snapshot->stroke_open);
     const int count = ready ? static_cast<int>(snapshot->cuts.size()) : 0;
     while (cuts_->count() > count)
@@ -731,18 +733,19 @@ void KnifePanel::show_snapshot(const planner::SurgerySnapshot* snapshot, double 
         if (cuts_->count() <= i)
             cuts_->addItem(QString());
         QListWidgetItem* item = cuts_->item(i);
-        const QString text = entry_text(cut) + (cut.in_force ? "" : "\nundone");
+        const QString text = translated(entry_text(cut) + (cut.in_force ? "" : "\nundone"));
         if (item->text() != text)
             item->setText(text);
         item->setForeground(cut.in_force ? QColor(0xe4, 0xe8, 0xeb) : QColor(0x6d, 0x75, 0x7d));
     }
     if (!ready)
-        state_->setText("Select the knife with K. Draw on the skin with the left button, and turn the camera with the "
-                        "right button.");
+        state_->setText(
+            translated("Select the knife with K. Draw on the skin with the left button, and turn the camera with "
+                       "the right button."));
     else
-        state_->setText(QString("Widest wound %1 mm%2")
-                            .arg(snapshot->gape_mm, 0, 'f', 1)
-                            .arg(snapshot->moving ? ", still opening" : ""));
+        state_->setText(translated(QString("Widest wound %1 mm%2")
+                                       .arg(snapshot->gape_mm, 0, 'f', 1)
+                                       .arg(snapshot->moving ? ", still opening" : "")));
     solver_->setText(!ready ? QString()
                             : last_cut_text(snapshot->cuts) + solver_text(snapshot->hooks)
                 + QString("step %1 ms, surface %2 ms, opening %3 ms, picture %4 ms")

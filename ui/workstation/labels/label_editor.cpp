@@ -2,6 +2,7 @@
 
 #include "mesh/base/text_format.h"
 #include "planner/case/unsaved_labels.h"
+#include "ui/workstation/language/language.h"
 
 #include <QInputDialog>
 #include <QLineEdit>
@@ -225,13 +226,13 @@ void LabelEditor::forget_unsaved()
 void LabelEditor::offer_unsaved(const std::vector<planner::LabelStep>& steps)
 {
     const int generation = generation_;
-    QMessageBox question(QMessageBox::Question, "Corrections of labels",
-        QString("Corrections of labels were made and not saved (%1; the last: %2). Make them again?")
-            .arg(steps.size())
-            .arg(QString::fromStdString(steps.back().what)),
+    QMessageBox question(QMessageBox::Question, translated("Corrections of labels"),
+        translated(QString("Corrections of labels were made and not saved (%1; the last: %2). Make them again?")
+                       .arg(steps.size())
+                       .arg(QString::fromStdString(steps.back().what))),
         QMessageBox::NoButton, &window_);
-    QPushButton* again = question.addButton("Make them again", QMessageBox::AcceptRole);
-    const QAbstractButton* forget = question.addButton("Forget them", QMessageBox::DestructiveRole);
+    QPushButton* again = question.addButton(translated("Make them again"), QMessageBox::AcceptRole);
+    const QAbstractButton* forget = question.addButton(translated("Forget them"), QMessageBox::DestructiveRole);
     question.setEscapeButton(again); // they can be undone
     asking_ = true; // what is not answered stays
     question.exec();
@@ -323,7 +324,8 @@ std::optional<std::string> LabelEditor::ask_for_label(
         return std::nullopt;
     const int generation = generation_;
     bool chosen = false;
-    const QString word = QInputDialog::getItem(&window_, title, question, words, 0, false, &chosen);
+    const QString word
+        = QInputDialog::getItem(&window_, translated(title), translated(question), words, 0, false, &chosen);
     const auto at = words.indexOf(word);
     // Another case may have been opened while the dialog waited.
     return chosen && at >= 0 && generation == generation_ ? std::optional(names[static_cast<std::size_t>(at)])
@@ -335,8 +337,8 @@ std::optional<std::string> LabelEditor::ask_for_name(
 {
     const int generation = generation_;
     bool given = false;
-    QString text
-        = QInputDialog::getText(&window_, title, question, QLineEdit::Normal, QString::fromStdString(proposed), &given);
+    QString text = QInputDialog::getText(
+        &window_, translated(title), translated(question), QLineEdit::Normal, QString::fromStdString(proposed), &given);
     text = text.trimmed().replace(' ', '_'); // names are words joined by underscores; the list shows spaces
     return given && generation == generation_ ? std::optional(text.toStdString()) : std::nullopt;
 }
@@ -436,10 +438,11 @@ void LabelEditor::add_label()
         return;
     QStringList words;
     for (const Kind& kind : kKinds)
-        words += kind.words;
+        words += translated(QString(kind.words));
     const int generation = generation_;
     bool chosen = false;
-    const QString word = QInputDialog::getItem(&window_, "New label", "What is it?", words, 0, false, &chosen);
+    const QString word
+        = QInputDialog::getItem(&window_, translated("New label"), translated("What is it?"), words, 0, false, &chosen);
     const auto at = words.indexOf(word);
     if (!chosen || at < 0 || generation != generation_)
         return;

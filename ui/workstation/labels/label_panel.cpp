@@ -2,6 +2,7 @@
 
 #include "mesh/base/text_format.h"
 #include "ui/scene/label_colors.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 
 #include <QButtonGroup>
@@ -129,13 +130,13 @@ QPushButton& LabelPanel::button(Action action)
     return *static_cast<QPushButton*>(actions_->button(static_cast<int>(action)));
 }
 
-void LabelPanel::show_size() { size_text_->setText(QString("Brush of %1 mm radius").arg(size_->value())); }
+void LabelPanel::show_size() { size_text_->setText(translated(QString("Brush of %1 mm radius").arg(size_->value()))); }
 
 void LabelPanel::show_session(const planner::LabelSession* session, const QString& waiting)
 {
-    note_->setText(session == nullptr ? waiting
-            : session->changed()      ? "Corrected, not saved. Plans use the labels after Save labels."
-                                      : "Choose a label, then paint on a slice. The wheel turns the slices.");
+    note_->setText(translated(session == nullptr ? waiting
+            : session->changed()                 ? "Corrected, not saved. Plans use the labels after Save labels."
+                                 : "Choose a label, then paint on a slice. The wheel turns the slices."));
     std::vector<Row> rows;
     if (session != nullptr)
         for (const mesh::LabelInfo& info : session->table())
@@ -161,8 +162,8 @@ void LabelPanel::show_session(const planner::LabelSession* session, const QStrin
 /// "aneurysm, 88.7 ml (estimated)".
 QString LabelPanel::words_of(const Row& row, double volume_ml)
 {
-    return QString::fromStdString(readable(row.name)) + QString(", %1 ml").arg(volume_ml, 0, 'f', 1)
-        + (row.estimated ? " (estimated)" : "");
+    return translated(QString::fromStdString(readable(row.name)) + QString(", %1 ml").arg(volume_ml, 0, 'f', 1)
+        + (row.estimated ? " (estimated)" : ""));
 }
 
 /// The chosen label stays chosen by its id, also under another name.

@@ -1,4 +1,5 @@
 #include "ui/workstation/palpation/palpation_panel.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/theme.h"
 
@@ -423,7 +424,7 @@ void PalpationPanel::show_frame(const planner::PalpationFrame& frame, std::size_
         const haptics::FingerContact& contact = state.contacts[f];
         const double force = contact.force.allFinite() ? contact.force.norm() : 0.0;
         rows_[f].name->setText(QString("%1%2").arg(f + 1).arg(f == finger_in_hand ? " \u25c2" : ""));
-        rows_[f].name->setToolTip(f == finger_in_hand ? "Selected finger" : "");
+        rows_[f].name->setToolTip(f == finger_in_hand ? translated("Selected finger") : QString());
         rows_[f].force->setText(QString("%1 N").arg(force, 0, 'f', 3));
         rows_[f].depth->setText(contact.touching ? QString("%1 mm").arg(contact.depth, 0, 'f', 2)
                 : out[f]                         ? QString("above")
@@ -447,13 +448,13 @@ void PalpationPanel::show_frame(const planner::PalpationFrame& frame, std::size_
     fault_->setVisible(fault);
     rearm_->setVisible(fault);
     if (fault)
-        fault_->setText("The forces were switched off: " + QString::fromStdString(haptics::describe(state.fault)));
-    edit_state_->setText(frame.stiffness_pending ? QString("Computing the new stiffness …")
+        fault_->setText(translated("The forces were switched off: " + std::string(haptics::describe(state.fault))));
+    edit_state_->setText(translated(frame.stiffness_pending ? QString("Computing the new stiffness …")
             : edits_ > 0 ? QString(edits_ == 1 ? "%1 edit in force" : "%1 edits in force").arg(edits_)
-                         : QString());
-    record_->setText(frame.recorded_s >= 0.0 ? QString("Stop (%1 s)").arg(frame.recorded_s, 0, 'f', 0)
-            : unwritten_                     ? QString("Save the recording")
-                                             : QString("Record"));
+                         : QString()));
+    record_->setText(translated(frame.recorded_s >= 0.0 ? QString("Stop (%1 s)").arg(frame.recorded_s, 0, 'f', 0)
+            : unwritten_                                ? QString("Save the recording")
+                                                        : QString("Record")));
     record_->setStyleSheet(frame.recorded_s < 0.0 ? "" : "background: #8c2b2b;");
 }
 

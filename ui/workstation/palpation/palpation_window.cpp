@@ -2,6 +2,7 @@
 
 #include "datasets/phantoms/palpation_scene_file.h"
 #include "haptics/hand/hand_file.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/planning/session_model.h"
 #include "ui/workstation/view/png_file.h"
 #include "ui/workstation/view/theme.h"
@@ -45,6 +46,7 @@ PalpationWindow::PalpationWindow(planner::PalpationBackend backend, QWidget* par
     poll_timer_.setInterval(kPollMs);
     connect(&poll_timer_, &QTimer::timeout, this, [this] { poll(); });
     view_->show_note("Open a palpation scene to begin: File, Open scene");
+    translate_texts(*this);
 }
 
 PalpationWindow::~PalpationWindow()
@@ -427,7 +429,7 @@ void PalpationWindow::say(const std::string& text, bool refused)
 {
     error_ = refused ? text : std::string();
     message_->setStyleSheet(refused ? "color: #ff8a80;" : "");
-    message_->setText(QString::fromStdString(text));
+    message_->setText(translated(text));
     message_->setToolTip(message_->text());
 }
 

@@ -2,6 +2,7 @@
 
 #include "mesh/base/text_format.h"
 #include "planner/approach/retractors.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 
 #include <QCheckBox>
@@ -121,6 +122,7 @@ ApproachDialog::ApproachDialog(Asks asks, const std::vector<Target>& targets, QW
             on_accept();
     });
     connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
+    translate_texts(*this);
     show_what_applies();
 }
 
@@ -203,7 +205,7 @@ void ApproachDialog::show_what_applies()
     if (kind_ != nullptr) {
         const Kind& kind = kKinds.at(static_cast<std::size_t>(kind_->currentIndex()));
         space_->setEnabled(kind.has_space);
-        space_->setSpecialValueText(kind.has_side ? QString() : "the space that suits the target");
+        space_->setSpecialValueText(kind.has_side ? QString() : translated("the space that suits the target"));
         space_->setMinimum(kind.has_side ? kHighestSpace : kSpaceOfItsOwn);
         side_->setEnabled(kind.has_side);
     }
@@ -251,7 +253,7 @@ planner::ApproachDraft ApproachDialog::draft() const
 
 void ApproachDialog::show_failure(const QString& text)
 {
-    failure_->setText(text);
+    failure_->setText(translated(text));
     failure_->setVisible(!text.isEmpty());
 }
 

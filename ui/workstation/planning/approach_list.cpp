@@ -1,6 +1,7 @@
 #include "ui/workstation/planning/approach_list.h"
 
 #include "planner/approach/approach_draft.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/planning/metric_rows.h"
 
 #include <QPainter>
@@ -112,11 +113,11 @@ void ApproachList::show_model(const SessionModel& model)
         const auto index = static_cast<std::size_t>(row);
         const QString detail = detail_of(model, index);
         const bool chosen = model.approach(index).name == model.chosen_approach();
-        item(row)->setText((chosen ? "✓ " : "") + QString::fromStdString(planner::spoken_name(model.approach(index))));
-        item(row)->setData(kDetailRole, detail);
+        item(row)->setText((chosen ? "✓ " : "") + translated(planner::spoken_name(model.approach(index))));
+        item(row)->setData(kDetailRole, translated(detail));
         item(row)->setData(kColorRole, color_of(model.state(index)));
-        item(row)->setToolTip(QString::fromStdString(model.approach(index).name) + ": " + detail
-            + (chosen ? "; chosen by " + QString::fromStdString(model.decisions().choices.back().by) : QString()));
+        item(row)->setToolTip(QString::fromStdString(model.approach(index).name) + ": " + translated(detail)
+            + (chosen ? translated("; chosen by " + model.decisions().choices.back().by) : QString()));
     }
     setCurrentRow(model.selected() ? static_cast<int>(*model.selected()) : -1);
 }

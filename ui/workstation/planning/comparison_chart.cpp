@@ -1,5 +1,7 @@
 #include "ui/workstation/planning/comparison_chart.h"
 
+#include "ui/workstation/language/language.h"
+
 #include <QHelpEvent>
 #include <QPainter>
 #include <QToolTip>
@@ -84,7 +86,7 @@ void ComparisonChart::paintEvent(QPaintEvent*)
     for (const planner::ComparedMeasure& measure : measures_) {
         painter.setPen(kFaintText);
         painter.drawText(QRectF(0.0, y, width(), kCaptionHeight), Qt::AlignVCenter,
-            painter.fontMetrics().elidedText(measure.metric->caption, Qt::ElideRight, width()));
+            painter.fontMetrics().elidedText(translated(measure.metric->caption), Qt::ElideRight, width()));
         y += kCaptionHeight;
         const double scale = room / scale_of(measure);
         for (std::size_t n = 0; n < measure.numbers.size(); ++n, y += kRowHeight) {

@@ -346,7 +346,7 @@ std::vector<MetricSection> approach_rows(const planner::Approach& approach)
     for (const planner::HookSpec& hook : approach.hooks)
         hooks.rows.push_back(hook_row(hook));
     if (approach.retractor)
-        hooks.rows.push_back({ "Retractor", planner::retractor_text(*approach.retractor),
+        hooks.rows.push_back({ "Instrument", planner::retractor_text(*approach.retractor),
             "Kind of the instrument, and its opening or force." });
     if (approach.opening_protocol && !hooks.rows.empty())
         hooks.rows.push_back({ "Opened by", planner::opening_protocol_text(*approach.opening_protocol),

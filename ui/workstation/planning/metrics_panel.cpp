@@ -1,4 +1,5 @@
 #include "ui/workstation/planning/metrics_panel.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/theme.h"
 
 #include "mesh/base/text_format.h"
@@ -26,7 +27,7 @@ namespace {
 
     QLabel* label(const std::string& text, const QString& style = {}, double points = 0.0, bool bold = false)
     {
-        auto* made = new QLabel(QString::fromStdString(text));
+        auto* made = new QLabel(translated(text));
         made->setTextFormat(Qt::PlainText);
         made->setWordWrap(true);
         made->setTextInteractionFlags(Qt::TextSelectableByMouse);
@@ -54,7 +55,7 @@ namespace {
             value->setAlignment(Qt::AlignRight | Qt::AlignTop);
             key->setAlignment(Qt::AlignLeft | Qt::AlignTop);
             for (QLabel* cell : { key, value })
-                cell->setToolTip(QString::fromStdString(row.meaning));
+                cell->setToolTip(translated(row.meaning));
             grid->addWidget(key, at, 0);
             grid->addWidget(value, at, 1);
         }
@@ -89,7 +90,7 @@ namespace {
     void add_technical(QVBoxLayout& column, const FieldPictures& field, bool& shown)
     {
         auto* button = new QToolButton;
-        button->setText("Technical");
+        button->setText(translated("Technical"));
         button->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
         button->setArrowType(shown ? Qt::DownArrow : Qt::RightArrow);
         button->setFocusPolicy(Qt::NoFocus);
@@ -164,8 +165,8 @@ namespace {
     {
         std::string text = "The score weighs: ";
         for (std::size_t n = 0; n < planner::kCriteria; ++n)
-            text += (n == 0 ? "" : ", ") + std::string(planner::criteria()[n].caption) + " "
-                + formatted("%g", weights.at(n));
+            text += (n == 0 ? "" : ", ") + translated(planner::criteria()[n].caption).toStdString()
+                + formatted(" %g", weights.at(n));
         return text + ". Shift+W changes this.";
     }
 

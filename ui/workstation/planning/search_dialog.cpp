@@ -6,6 +6,7 @@
 #include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/comparison.h"
 #include "planner/measures/verdict.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/planning/approach_dialog.h"
 #include "ui/workstation/planning/metric_rows.h"
 #include "ui/workstation/view/background_picture.h"
@@ -114,6 +115,7 @@ SearchDialog::SearchDialog(planner::Case planned_case, const planner::Weights& w
     });
     timer_.setInterval(kProgressMs);
     connect(&timer_, &QTimer::timeout, this, [this] { show_progress(); });
+    translate_texts(*this);
     show_progress();
     show_what_applies();
 }
@@ -271,7 +273,7 @@ void SearchDialog::show_answer(FoundProposals found)
         std::string all;
         for (const std::string& one : verdict.sentences)
             all += (all.empty() ? "" : "\n") + one;
-        said->setToolTip(QString::fromStdString(all));
+        said->setToolTip(translated(all));
         table_->setItem(row, kVerdict, said);
     }
     table_->resizeRowsToContents();
@@ -291,7 +293,7 @@ void SearchDialog::show_answer(FoundProposals found)
         remarks += "\nNo proposal: " + why;
     for (const std::string& why : found_.refused)
         remarks += "\nDoes not fit: " + why;
-    remarks_->setText(QString::fromStdString(remarks));
+    remarks_->setText(translated(remarks));
     pages_->setCurrentIndex(1);
     constexpr int kTall = 760;
     const QRect room = screen()->availableGeometry();
@@ -342,12 +344,12 @@ void SearchDialog::show_progress()
         return timer_.stop();
     const SerialExecutor::Progress now = executor_.progress();
     progress_->setValue(static_cast<int>(std::lround(kProgressSteps * now.fraction)));
-    work_->setText(cancelling_ ? "Cancelling" : "Searching: " + QString::fromStdString(now.stage));
+    work_->setText(translated(cancelling_ ? "Cancelling" : "Searching: " + QString::fromStdString(now.stage)));
 }
 
 void SearchDialog::show_failure(const QString& text)
 {
-    failure_->setText(text);
+    failure_->setText(translated(text));
     failure_->setVisible(!text.isEmpty());
 }
 
@@ -365,7 +367,7 @@ void SearchDialog::show_what_applies()
     for (int row = 0; row < table_->rowCount(); ++row)
         any = any || table_->item(row, kPlace)->checkState() == Qt::Checked;
     take_button_->setEnabled(any);
-    close_->setText(working_ || !answered ? "Cancel" : "Close");
+    close_->setText(translated(working_ || !answered ? "Cancel" : "Close"));
 }
 
 } // namespace retractor::ui

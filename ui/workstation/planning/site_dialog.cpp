@@ -1,6 +1,7 @@
 #include "ui/workstation/planning/site_dialog.h"
 
 #include "mesh/base/text_format.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 
 #include <QComboBox>
@@ -67,6 +68,7 @@ SiteDialog::SiteDialog(const planner::TargetSpec& proposed, bool met, QWidget* p
     connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
     connect(site_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
         [this] { radius_->setEnabled(!site_->currentData().toString().isEmpty()); });
+    translate_texts(*this);
 }
 
 planner::TargetSpec SiteDialog::target() const

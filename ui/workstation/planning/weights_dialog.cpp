@@ -1,5 +1,6 @@
 #include "ui/workstation/planning/weights_dialog.h"
 
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/theme.h"
 
@@ -62,6 +63,7 @@ WeightsDialog::WeightsDialog(const planner::Weights& weights, QWidget* parent)
         connect(slider, &QSlider::valueChanged, this, [this] { changed(); });
     connect(usual, &QPushButton::clicked, this, [this] { show_weights(planner::default_weights()); });
     connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
+    translate_texts(*this);
 }
 
 void WeightsDialog::show_weights(const planner::Weights& weights)
@@ -86,7 +88,7 @@ void WeightsDialog::changed()
     for (std::size_t n = 0; n < now.size(); ++n)
         values_.at(n)->setText(QString::number(now.at(n)));
     const bool any = std::ranges::any_of(now, [](double weight) { return weight > 0.0; });
-    refusal_->setText(any ? "" : "All weights are 0: nothing would count. The weights before stay.");
+    refusal_->setText(any ? QString() : translated("All weights are 0: nothing would count. The weights before stay."));
     if (any && on_change)
         on_change(now);
 }

@@ -4,6 +4,7 @@
 #include "mesh/base/error.h"
 #include "planner/case/case.h"
 #include "planner/case/import_case.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/start/case_folder.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/theme.h"
@@ -135,6 +136,7 @@ ImportDialog::ImportDialog(QWidget* parent)
     });
     timer_.setInterval(kProgressMs);
     connect(&timer_, &QTimer::timeout, this, [this] { show_progress(); });
+    translate_texts(*this);
     show_progress();
     show_what_applies();
 }
@@ -259,15 +261,15 @@ QWidget* ImportDialog::make_summary()
 
 void ImportDialog::ask_for_folder()
 {
-    const QString folder = QFileDialog::getExistingDirectory(this, "Folder or disc of the study");
+    const QString folder = QFileDialog::getExistingDirectory(this, translated("Folder or disc of the study"));
     if (!folder.isEmpty())
         set_study(folder.toStdString());
 }
 
 void ImportDialog::ask_for_file()
 {
-    const QString file = QFileDialog::getOpenFileName(this, "Archive or image of the study", {},
-        "Studies (*.zip DICOMDIR *.dcm *.nii *.nii.gz *.nrrd *.nhdr *.mha *.mhd *.vti);;All files (*)");
+    const QString file = QFileDialog::getOpenFileName(this, translated("Archive or image of the study"), {},
+        translated("Studies (*.zip DICOMDIR *.dcm *.nii *.nii.gz *.nrrd *.nhdr *.mha *.mhd *.vti);;All files (*)"));
     if (!file.isEmpty())
         set_study(file.toStdString());
 }
@@ -338,7 +340,7 @@ void ImportDialog::show_study()
         auto* item = new QListWidgetItem(QIcon(pixmap), image.title + "\n" + image.detail, images_);
         if (!image.is_ct) {
             item->setFlags(item->flags() & ~(Qt::ItemIsEnabled | Qt::ItemIsSelectable));
-            item->setToolTip("Only slices of a CT can be imported.");
+            item->setToolTip(translated("Only slices of a CT can be imported."));
         }
     }
     for (std::size_t n = 0; n < study_.images.size(); ++n)
@@ -398,8 +400,8 @@ void ImportDialog::import()
 void ImportDialog::show_imported(const fs::path& case_file, const QString& text)
 {
     case_file_ = case_file;
-    findings_->setPlainText("The case was written to " + native(case_file) + "\n\n"
-        + (text.isEmpty() ? QString("There is nothing to check.") : text));
+    findings_->setPlainText(translated("The case was written to " + native(case_file) + "\n\n"
+        + (text.isEmpty() ? QString("There is nothing to check.") : text)));
     pages_->setCurrentIndex(1);
     open_->setDefault(true);
     open_->setFocus();
@@ -428,15 +430,15 @@ void ImportDialog::show_progress()
         step_time_.start();
     }
     progress_->setValue(static_cast<int>(std::lround(kProgressSteps * now.fraction)));
-    QString text = cancelling_ ? "Cancelling" : work_text_ + (step.isEmpty() ? QString() : ": " + step);
+    QString text = translated(cancelling_ ? "Cancelling" : work_text_ + (step.isEmpty() ? QString() : ": " + step));
     if (const QString left = time_left(1e-3 * static_cast<double>(step_time_.elapsed()), now.fraction); !left.isEmpty())
-        text += ", " + left;
+        text += ", " + translated(left);
     work_->setText(text);
 }
 
 void ImportDialog::show_failure(const QString& text)
 {
-    failure_->setText(text);
+    failure_->setText(translated(text));
     failure_->setVisible(!text.isEmpty());
 }
 
@@ -453,7 +455,7 @@ void ImportDialog::show_what_applies()
     import_->setEnabled(working_ == 0 && !case_folder_->text().trimmed().isEmpty()
         && ((has_image && (has_labels || find_labels_->isChecked())) || (path_->text().isEmpty() && has_labels)));
     open_->setVisible(imported);
-    cancel_->setText(imported ? "Close" : "Cancel");
+    cancel_->setText(translated(imported ? "Close" : "Cancel"));
 }
 
 } // namespace retractor::ui

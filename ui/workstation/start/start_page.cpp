@@ -1,5 +1,6 @@
 #include "ui/workstation/start/start_page.h"
 
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/theme.h"
 
@@ -165,7 +166,7 @@ void StartPage::show_work(const QString& text, std::optional<double> fraction)
 {
     const bool working = !text.isEmpty();
     page_->setEnabled(!working);
-    work_->setText(text);
+    work_->setText(translated(text));
     work_->setVisible(working);
     progress_->setValue(static_cast<int>(std::lround(kProgressSteps * fraction.value_or(0.0))));
     progress_->setVisible(working && fraction.has_value());

@@ -1,5 +1,6 @@
 #include "ui/workstation/view/banner.h"
 
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 
 #include <QHBoxLayout>
@@ -22,8 +23,8 @@ Banner::Banner(const QString& colour)
 
 void Banner::say(const QString& text, const QString& button)
 {
-    text_->setText(text);
-    button_->setText(button);
+    text_->setText(translated(text));
+    button_->setText(translated(button));
     setVisible(!text.isEmpty());
 }
 

@@ -8,6 +8,7 @@
 #include "ui/scene/moving_scene.h"
 #include "ui/scene/vtk/live_surface.h"
 #include "ui/scene/vtk/scene_view.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/turn_style.h"
 
 #include <vtkCallbackCommand.h>
@@ -143,8 +144,10 @@ PictureView::~PictureView()
 
 void PictureView::show_scenes(std::vector<Scene> scenes)
 {
-    for (const Scene& scene : scenes)
+    for (Scene& scene : scenes) {
         check_scene(scene);
+        translate_texts(scene);
+    }
     coarse_scenes_.clear();
     for (const Scene& scene : scenes)
         coarse_scenes_.push_back(moving_scene(scene, coarse_share(scenes)));
@@ -169,6 +172,7 @@ void PictureView::set_layout(SceneLayout layout)
 void PictureView::replace_scene(std::size_t index, Scene scene)
 {
     check_scene(scene);
+    translate_texts(scene);
     if (is_drawn()) {
         makeCurrent();
         scene.camera = drawn_->views.at(index).camera();
@@ -792,7 +796,7 @@ Camera PictureView::camera() const { return drawn_->views.at(0).camera(); }
 
 void PictureView::show_note(const QString& note)
 {
-    note_->setText(note);
+    note_->setText(translated(note));
     note_->setVisible(!note.isEmpty());
     place_note();
 }

@@ -1,5 +1,6 @@
 #include "ui/workstation/view/step_bar.h"
 
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 
 #include <QHBoxLayout>
@@ -51,7 +52,8 @@ void StepBar::set_large(bool large)
     number_->setStyleSheet(QString("font-size: %1px; color: #a4adb5;").arg(large ? 18 : 14));
     for (QPushButton* button : { back_, next_, movie_, report_, end_ })
         button->setStyleSheet(large ? "font-size: 18px; padding: 8px 16px;" : "");
-    const auto keys = [large](const QString& text, const QString& with) { return large ? text + with : text; };
+    const auto keys
+        = [large](const QString& text, const QString& with) { return translated(large ? text + with : text); };
     back_->setToolTip(keys("The step before", " (Left, Page Up)"));
     next_->setToolTip(keys("The next step", " (Right, Page Down, Space)"));
     end_->setToolTip(keys(large ? "Back to planning" : "End the tour", " (Esc)"));
@@ -63,8 +65,8 @@ void StepBar::show_step(const planner::PresentationStep& step, std::size_t numbe
 {
     number_of_step_ = number;
     count_of_steps_ = count;
-    title_->setText(QString::fromStdString(step.title));
-    text_->setText(QString::fromStdString(step.text));
+    title_->setText(translated(step.title));
+    text_->setText(translated(step.text));
     number_->setText(QString("%1 / %2").arg(number).arg(count));
     back_->setEnabled(number > 1);
     next_->setEnabled(number < count);

@@ -1,0 +1,218 @@
+// The window in Japanese: phrases with open places, the file of translations, and what a surgeon reads first.
+
+#include "ui/workstation/language/language.h"
+
+#include "tests/support/synthetic_patient.h"
+#include "tests/support/window_help.h"
+
+#include "mesh/base/error.h"
+#include "planner/decision/decisions.h"
+#include "planner/measures/metric_table.h"
+#include "planner/measures/ranking.h"
+#include "ui/plan_scene/field_map.h"
+#include "ui/scene/scene.h"
+#include "ui/workstation/language/phrasebook.h"
+#include "ui/workstation/main_window.h"
+#include "ui/workstation/planning/approach_dialog.h"
+#include "ui/workstation/planning/search_dialog.h"
+
+#include <gtest/gtest.h>
+
+#include <QAbstractButton>
+#include <QAction>
+#include <QBuffer>
+#include <QComboBox>
+#include <QFile>
+#include <QLabel>
+#include <QMenu>
+#include <QRegularExpression>
+#include <QTest>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace retractor::ui {
+namespace language_test {
+
+    Phrasebook book_of(const std::vector<std::pair<QString, QString>>& phrases)
+    {
+        QString text = "<TS version=\"2.1\"><context><name>Retractor</name>";
+        for (const auto& [english, other] : phrases)
+            text += "<message><source>" + english.toHtmlEscaped() + "</source><translation>" + other.toHtmlEscaped()
+                + "</translation></message>";
+        text += "</context></TS>";
+        QByteArray bytes = text.toUtf8();
+        QBuffer file(&bytes);
+        file.open(QIODevice::ReadOnly);
+        return read_phrasebook(file);
+    }
+
+    TEST(Phrasebook, KnowsPhrasesAndFillsOpenPlacesInTheOrderOfTheOtherLanguage)
+    {
+        const Phrasebook book = book_of({ { "Open", "Offen" }, { "aneurysm", "Aneurysma" },
+            { "Shows %1 % of the %2.", "Vom %2 sind %1 % zu sehen." }, { "The %1 is not seen.", "%1 ist verdeckt." } });
+        EXPECT_EQ(translated(book, "Open"), "Offen");
+        EXPECT_EQ(translated(book, "Shows 35.0 % of the aneurysm."), "Vom Aneurysma sind 35.0 % zu sehen.");
+        EXPECT_EQ(translated(book, "Shows 35 % of the hernia."), "Vom hernia sind 35 % zu sehen.");
+        EXPECT_EQ(translated(book, "open"), "open") << "what is not known stays English";
+        EXPECT_EQ(translated(book, ""), "");
+    }
+
+    TEST(Phrasebook, TranslatesLineByLineAndSentenceBySentence)
+    {
+        const Phrasebook book = book_of(
+            { { "Shows %1.", "Zeigt %1." }, { "Opens %1 mm.", "Weitet %1 mm." }, { "undone", "aufgehoben" } });
+        EXPECT_EQ(translated(book, "Shows 1. Opens 2 mm."), "Zeigt 1. Weitet 2 mm.");
+        EXPECT_EQ(translated(book, "Opens 2.5 mm.\nundone"), "Weitet 2.5 mm.\naufgehoben");
+        EXPECT_EQ(translated(book, "Shows 1. What is this?"), "Zeigt 1. What is this?");
+    }
+
+    TEST(Phrasebook, PrefersThePhraseThatSaysMostAndFillsNoPlaceWithASentence)
+    {
+        const Phrasebook book
+            = book_of({ { "%1 is lost", "%1 fehlt" }, { "the plan of %1 is lost", "Plan %1 fehlt" } });
+        EXPECT_EQ(translated(book, "the plan of A is lost"), "Plan A fehlt");
+        const QString sentence = "what was drawn and then cut on the skin of it is lost";
+        EXPECT_EQ(translated(book, sentence), sentence) << "half a translation is worse than none";
+    }
+
+    TEST(Phrasebook, ADamagedFileIsNamedWithItsLine)
+    {
+        QByteArray bytes = "<TS>\n<message><source>Open</source>\n<translation>";
+        QBuffer file(&bytes);
+        file.open(QIODevice::ReadOnly);
+        try {
+            read_phrasebook(file);
+            FAIL() << "read";
+        } catch (const InputError& error) {
+            EXPECT_EQ(error.where(), "line 3");
+        }
+    }
+
+    bool is_japanese(const QString& text)
+    {
+        static const QRegularExpression letters("[\\p{Hiragana}\\p{Katakana}\\p{Han}]");
+        return text.contains(letters);
+    }
+
+    /// Words that a Japanese text needs: more than a unit, a key or a name.
+    bool needs_translation(const QString& text)
+    {
+        static const QRegularExpression word("[a-z]{3,}");
+        static const QRegularExpression names("(Retractor|English|case\\.json|median|straight|target|\\.png)");
+        QString rest = text;
+        return rest.remove(names).contains(word) && !is_japanese(text);
+    }
+
+    /// Every text of the window and of what lies in it that stays English.
+    std::set<std::string> english_texts(QWidget& window)
+    {
+        std::set<std::string> found;
+        const auto look = [&](const QString& text) {
+            if (needs_translation(text))
+                found.insert(text.toStdString());
+        };
+        for (QWidget* const widget : window.findChildren<QWidget*>()) {
+            look(widget->toolTip());
+            if (const auto* const label = qobject_cast<QLabel*>(widget))
+                look(label->text());
+            if (const auto* const button = qobject_cast<QAbstractButton*>(widget))
+                look(button->text());
+            if (const auto* const menu = qobject_cast<QMenu*>(widget))
+                look(menu->title());
+            if (const auto* const box = qobject_cast<QComboBox*>(widget); box != nullptr && !box->isEditable())
+                for (int i = 0; i < box->count(); ++i)
+                    look(box->itemText(i));
+        }
+        for (const QAction* const action : window.findChildren<QAction*>()) {
+            look(action->text());
+            look(action->toolTip());
+        }
+        return found;
+    }
+
+    std::string listed(const std::set<std::string>& texts)
+    {
+        std::string all;
+        for (const std::string& text : texts)
+            all += "\n  " + text;
+        return all;
+    }
+
+    class Japanese : public testing::Test {
+    protected:
+        Japanese() { set_language("ja"); }
+        ~Japanese() override { set_language("en"); }
+    };
+
+    TEST_F(Japanese, EveryPlaceOfAPhraseIsInItsTranslation)
+    {
+        QFile file(":/language/ja.ts");
+        ASSERT_TRUE(file.open(QIODevice::ReadOnly));
+        const Phrasebook book = read_phrasebook(file);
+        EXPECT_GT(book.phrases.size() + static_cast<int>(book.open_phrases.size()), 900);
+        for (const OpenPhrase& phrase : book.open_phrases) {
+            for (const int place : phrase.places)
+                EXPECT_TRUE(phrase.translation.contains("%" + QString::number(place)))
+                    << phrase.english.pattern().toStdString();
+            EXPECT_EQ(phrase.translation.count(QRegularExpression("%[1-9]")), static_cast<int>(phrase.places.size()))
+                << phrase.english.pattern().toStdString();
+        }
+    }
+
+    TEST_F(Japanese, MeasuresCriteriaMapsAndQuestionsAreTranslated)
+    {
+        std::vector<std::string> texts;
+        for (const planner::MetricField& metric : planner::metric_fields())
+            texts.insert(texts.end(), { metric.caption, metric.meaning });
+        for (const planner::Criterion& criterion : planner::criteria())
+            texts.insert(texts.end(), { criterion.caption, criterion.meaning });
+        for (const FieldMapName& map : kFieldMaps)
+            texts.emplace_back(map.words);
+        for (const planner::Question& question : planner::kQuestions)
+            texts.insert(texts.end(), { question.title, question.sentence });
+        for (const std::string& text : texts)
+            EXPECT_TRUE(is_japanese(translated(text))) << text;
+    }
+
+    TEST_F(Japanese, TheWindowAndItsDialogsSpeakIt)
+    {
+        const auto control = std::make_shared<test_support::SyntheticControl>();
+        MainWindow window([control](const planner::Case&) { return test_support::synthetic_backend(control); });
+        test_support::show_window(window);
+        EXPECT_EQ(listed(english_texts(window)), "") << "on the start page";
+        window.open(test_support::synthetic_case());
+        test_support::wait_until_idle(window);
+        QTest::keyClick(&window, Qt::Key_P);
+        test_support::wait_until_idle(window);
+        EXPECT_EQ(listed(english_texts(window)), "") << "with a planned case";
+        QTest::keyClick(&window, Qt::Key_F, Qt::ControlModifier);
+        ASSERT_NE(window.search_dialog(), nullptr);
+        EXPECT_EQ(listed(english_texts(*window.search_dialog())), "");
+        window.search_dialog()->close();
+        const char* const folder = std::getenv("RETRACTOR_PICTURES");
+        const std::filesystem::path pictures = folder != nullptr ? folder : std::filesystem::temp_directory_path();
+        window.save_screenshot(pictures / "japanese.png");
+    }
+
+    TEST_F(Japanese, ThePictureIsTitledInIt)
+    {
+        Scene scene { .title = "Median sternotomy: through the incision" };
+        translate_texts(scene);
+        if (scene.title == "Median sternotomy: through the incision")
+            GTEST_SKIP() << "SKIPPED: no font with Japanese letters (Debian package fonts-noto-cjk)";
+        EXPECT_EQ(scene.title, "胸骨正中切開：切開からの眺め");
+    }
+
+    TEST(Language, AnUnknownOneIsRefused)
+    {
+        EXPECT_THROW(set_language("tlh"), InputError);
+        EXPECT_EQ(language(), "en");
+    }
+
+} // namespace language_test
+} // namespace retractor::ui

@@ -235,8 +235,10 @@ namespace {
                 return edges.meeting.contains(v)
                     || (static_cast<std::size_t>(v) < held.size() && held[static_cast<std::size_t>(v)] != 0);
             });
-            if (placement.nodes.size() >= 3)
+            if (placement.nodes.size() >= 3) {
+                why_not.clear();
                 return true;
+            }
             why_not = "the wound is too small here: fewer than three of its places are free to be held";
         }
         placement.nodes.clear();

@@ -88,6 +88,14 @@ namespace {
         return entry;
     }
 
+    std::vector<HookPlacement> placements_of(const HookSet& set)
+    {
+        std::vector<HookPlacement> placements;
+        for (const HookState& hook : set.hooks)
+            placements.push_back(hook.placement);
+        return placements;
+    }
+
     mesh::CutSession open_session(const mesh::TetMesh& wall, const Job& job)
     {
         const Stopwatch watch;
@@ -186,6 +194,7 @@ KnifeAnswer SurgerySession::begin_stroke(const Touch& at, const KnifeSettings& s
     stroke_->blade.depth_mm = depth;
     if (!settings.cuts_bone)
         stroke_->options.uncut_labels = skeleton_;
+    before_cut_ = hook_set();
     return { true, {} };
 }
 
@@ -308,6 +317,7 @@ KnifeAnswer SurgerySession::cut_as_planned()
     if (approach_.incision.size() < 2)
         return { false, "the approach has no incision" };
     const mesh::Blade blade = blade_of(approach_);
+    before_cut_ = hook_set();
     const Stopwatch watch;
     mesh::CutResult result;
     try {
@@ -377,6 +387,7 @@ KnifeAnswer SurgerySession::make_strokes(const Approach& divided, const std::set
             continue;
         Approach one = divided;
         one.division.strokes = { stroke };
+        before_cut_ = hook_set();
         const Stopwatch watch;
         const std::size_t cuts = session_.cut_count();
         DivisionCut cut;
@@ -386,6 +397,7 @@ KnifeAnswer SurgerySession::make_strokes(const Approach& divided, const std::set
             all = false;
             while (session_.cut_count() > cuts) // a stroke that severed nothing
                 (void)session_.undo();
+            hook_steps_.resize(hook_steps_made_); // it took the place of what was undone
             answer.reason += (answer.reason.empty() ? "" : "; ") + std::string(error.what());
             continue;
         }
@@ -416,6 +428,7 @@ void SurgerySession::abandon_stroke()
     const mesh::MeshDelta delta = session_.abandon_stroke(); // when the journal refuses this, the stroke stays open
     stroke_.reset();
     follow(delta);
+    give_hooks_back(before_cut_);
 }
 
 std::optional<mesh::Piece> SurgerySession::free_piece_at(const Touch& at, std::string& why_not) const
@@ -496,6 +509,7 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
     }
     if (marked.size() == session_.tet_count())
         return { false, "this would remove the whole wall" };
+    before_cut_ = hook_set();
     const Stopwatch watch;
     const mesh::CutResult result = session_.ablate(marked, job_);
     if (result.status != mesh::CutStatus::done)
@@ -513,6 +527,19 @@ void SurgerySession::add_cut(CutEntry entry)
 {
     history_.add(std::move(entry));
     hook_steps_.resize(hook_steps_made_);
+    hooks_before_cut_.resize(session_.cut_count());
+    hooks_before_cut_.back() = std::move(before_cut_);
+}
+
+/// Sets hooks again that a cut took off, when the cut is undone.
+void SurgerySession::give_hooks_back(const HookSet& before)
+{
+    const HookSet now = hook_set();
+    const bool lost = std::ranges::any_of(before.hooks, [&](const HookState& hook) {
+        return std::ranges::find(now.hooks, hook.name, &HookState::name) == now.hooks.end();
+    });
+    if (lost)
+        return_hooks_to(before);
 }
 
 void SurgerySession::undo()
@@ -533,6 +560,8 @@ void SurgerySession::redo()
     else
         follow(delta);
     history_.set_in_force(count - 1, true);
+    while (hook_steps_made_ < hook_steps_.size() && hook_steps_[hook_steps_made_].cuts < count)
+        ++hook_steps_made_; // they came before this cut
 }
 
 /// Null: the last step is a cut, or there is none.
@@ -564,10 +593,14 @@ std::string SurgerySession::step_to_redo() const
 void SurgerySession::undo_step()
 {
     const HookStep* const step = hook_step_to_undo();
-    if (step == nullptr)
-        return undo();
-    return_hooks_to(step->before);
-    --hook_steps_made_;
+    if (step == nullptr) {
+        undo();
+        if (const std::size_t cut = session_.cut_count(); cut < hooks_before_cut_.size())
+            give_hooks_back(hooks_before_cut_[cut]);
+        return;
+    }
+    if (return_hooks_to(step->before))
+        --hook_steps_made_;
 }
 
 void SurgerySession::redo_step()
@@ -575,29 +608,30 @@ void SurgerySession::redo_step()
     const HookStep* const step = hook_step_to_redo();
     if (step == nullptr)
         return redo();
-    return_hooks_to(step->after);
-    ++hook_steps_made_;
+    if (return_hooks_to(step->after))
+        ++hook_steps_made_;
 }
 
-void SurgerySession::return_hooks_to(const HookSet& then)
+/// @return whether the hooks are as they were then; if not, the remark says why
+bool SurgerySession::return_hooks_to(const HookSet& then)
 {
-    if (then.hooks.empty())
-        return take_hooks_off();
+    if (then.hooks.empty()) {
+        take_hooks_off();
+        return true;
+    }
     if (hooks_ == nullptr) {
-        std::vector<HookPlacement> placements;
-        for (const HookState& hook : then.hooks)
-            placements.push_back(hook.placement);
         try {
-            make_hooks(placements);
+            make_hooks(placements_of(then));
         } catch (const Error& error) {
             remark_ = std::string("the wall cannot be opened: ") + error.what();
-            return;
+            return false;
         }
     }
     with_hooks([&] {
         hooks_->return_to(then);
         hooks_->frame();
     });
+    return hooks_ != nullptr; // with_hooks() drops all hooks where they cannot be set
 }
 
 /// Makes a change of the hooks that can be undone. A change that changes nothing leaves no step.
@@ -607,6 +641,8 @@ auto SurgerySession::hook_step(const std::string& what, const std::string& moved
     HookSet before = hook_set();
     const auto note = [&] {
         HookSet after = hook_set();
+        if (before.hooks.empty() && after.hooks.empty())
+            return;
         if (moved.empty() && std::ranges::equal(before.hooks, after.hooks, {}, &HookState::name, &HookState::name))
             return;
         hook_steps_.resize(hook_steps_made_);
@@ -887,23 +923,9 @@ void SurgerySession::make_hooks(std::span<const HookPlacement> placements)
 void SurgerySession::renew_hooks()
 {
     RETRACTOR_ASSERT(hooks_ != nullptr);
-    std::vector<HookState> hooks = hooks_->report().hooks;
-    std::vector<VertexId> held = hooks_->held_vertices();
-    std::sort(held.begin(), held.end());
-    std::vector<HookPlacement> placements;
-    for (HookState& hook : hooks) {
-        std::erase_if(
-            hook.placement.nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
-        placements.push_back(hook.placement);
-    }
-    const std::vector<RetractorState> retractors = hooks_->report().retractors;
-    make_hooks(placements);
-    std::map<fem::HookId, fem::HookId> now;
-    for (const HookState& hook : hooks)
-        now[hook.id] = hooks_->attach(hook.placement, hook.name, hook.drive, hook.planned);
-    for (const RetractorState& retractor : retractors)
-        hooks_->join({ now.at(retractor.blades[0]), now.at(retractor.blades[1]) }, retractor.kind,
-            retractor.greatest_opening_mm, retractor.play_rad);
+    const HookSet set = hooks_->hook_set();
+    make_hooks(placements_of(set));
+    hooks_->return_to(set);
 }
 
 /// Runs a call of the solver that may fail; the cut stays when it fails.
@@ -1014,11 +1036,15 @@ KnifeAnswer SurgerySession::attach_hook(const Touch& at)
         return { false, why_not };
     if (is_held(placement))
         return { false, kHeldAlready };
-    const std::string name = "hook " + std::to_string(hooks_placed_ + 1);
+    const std::vector<HookState> there = hooks().hooks;
+    std::string name;
+    do // a planned hook may have such a name too
+        name = "hook " + std::to_string(++hooks_placed_);
+    while (std::ranges::find(there, name, &HookState::name) != there.end());
     const Vec3 lies = present_place(placement);
     KnifeAnswer answer = attach({ std::move(placement) }, { name }, { { .displacement = lies } }, false, {});
-    if (answer.done)
-        ++hooks_placed_;
+    if (!answer.done)
+        --hooks_placed_;
     return answer;
 }
 
@@ -1102,7 +1128,7 @@ KnifeAnswer SurgerySession::attach_retractor(const Touch& at, const RetractorKin
 void SurgerySession::crank(fem::HookId blade, double opening_mm)
 {
     if (has_hook(blade))
-        hook_step("cranking the retractor", hook_name(blade),
+        hook_step("cranking the retractor", moved_name(blade),
             [&] { change_hooks([&] { hooks_->crank(blade, opening_mm); }); });
 }
 
@@ -1195,8 +1221,8 @@ KnifeAnswer SurgerySession::attach_planned_hooks()
 void SurgerySession::pull_hook(fem::HookId hook, const Vec3& asked)
 {
     if (has_hook(hook))
-        hook_step("moving the " + hook_name(hook), hook_name(hook),
-            [&] { change_hooks([&] { hooks_->pull(hook, asked); }); });
+        hook_step(moved_name(hook) == hook_name(hook) ? "moving the " + hook_name(hook) : "cranking the retractor",
+            moved_name(hook), [&] { change_hooks([&] { hooks_->pull(hook, asked); }); });
 }
 
 void SurgerySession::pull_all_hooks(double mm)
@@ -1238,6 +1264,15 @@ void SurgerySession::take_hooks_off()
 {
     if (hooks_ != nullptr)
         hooks_taken_off();
+}
+
+/// What a move of this hook moves: the hook, or the retractor whose blade it is.
+std::string SurgerySession::moved_name(fem::HookId hook) const
+{
+    for (const RetractorState& retractor : hooks_->report().retractors)
+        if (std::ranges::find(retractor.blades, hook) != retractor.blades.end())
+            return "retractor with the " + hook_name(retractor.blades[0]);
+    return hook_name(hook);
 }
 
 std::string SurgerySession::hook_name(fem::HookId hook) const

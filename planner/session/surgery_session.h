@@ -135,7 +135,7 @@ public:
 
     bool can_undo() const { return !stroke_open() && session_.can_undo(); }
     bool can_redo() const { return !stroke_open() && session_.can_redo(); }
-    /// Undoes (redoes) a cut; hooks stay as long as they hold.
+    /// Undoes (redoes) a cut; hooks stay as long as they hold, and their later (earlier) steps count as undone (made).
     /// @throws InputError when there is nothing to undo (redo), or a stroke is open
     void undo();
     void redo();
@@ -143,7 +143,7 @@ public:
     /// Successive moves of one hook are one step. Empty: none.
     std::string step_to_undo() const;
     std::string step_to_redo() const;
-    /// Undoes (redoes) that step.
+    /// Undoes (redoes) that step. With a cut the hooks come back that it took off.
     /// @throws as undo() and redo()
     void undo_step();
     void redo_step();
@@ -223,10 +223,12 @@ private:
     void add_cut(CutEntry entry);
     HookSet hook_set() const { return hooks_ != nullptr ? hooks_->hook_set() : HookSet {}; }
     template <class Change> auto hook_step(const std::string& what, const std::string& moved, const Change& change);
-    void return_hooks_to(const HookSet& then);
+    bool return_hooks_to(const HookSet& then);
+    void give_hooks_back(const HookSet& before);
     const HookStep* hook_step_to_undo() const;
     const HookStep* hook_step_to_redo() const;
     std::string hook_name(fem::HookId hook) const;
+    std::string moved_name(fem::HookId hook) const;
     KnifeAnswer attach_retractor(const Touch& at, const RetractorKind& kind);
     KnifeAnswer attach_hook(const Touch& at);
     KnifeAnswer attach_planned_hooks();
@@ -304,6 +306,8 @@ private:
     int hooks_placed_ = 0, retractors_placed_ = 0; ///< by hand, for their names
     std::vector<HookStep> hook_steps_; ///< the oldest first
     std::size_t hook_steps_made_ = 0; ///< the others are undone
+    HookSet before_cut_; ///< hooks before the cut that is being made
+    std::vector<HookSet> hooks_before_cut_; ///< of each cut that was made here, by its place in the history
     double iterations_per_ms_ = 1.0; ///< measured speed of the relaxation
     double reach_mm_ = 0.0; ///< distance from the wound within which tissue moves now
     int still_frames_ = 0;

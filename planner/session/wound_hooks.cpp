@@ -360,6 +360,9 @@ void WoundHooks::return_to(const HookSet& then)
         for (std::size_t i = 0; i < 2; ++i)
             drives[blades[i]] = of_rack[i];
     }
+    for (const auto& [hook, then_driven] : drives)
+        if (state(hook).drive.force_N.has_value() != then_driven.force_N.has_value())
+            forget_since(); // as pull() does
     drive(drives);
     for (const HookState& hook : then.hooks)
         state(now.at(hook.id)).planned = hook.planned;

@@ -230,9 +230,14 @@ bool for_a_person(const Options& options) { return options.screenshot.empty() &&
 /// Sets the language of the windows, and that of the dialogs that Qt brings along.
 void speak(QApplication& application, const Options& options)
 {
-    set_language(!options.language.empty() ? QString::fromStdString(options.language)
-            : for_a_person(options)        ? preferred_language()
-                                           : QString("en"));
+    const QString wanted = !options.language.empty() ? QString::fromStdString(options.language)
+        : for_a_person(options)                      ? preferred_language()
+                                                     : QString("en");
+    try {
+        set_language(wanted);
+    } catch (const Error& error) { // English needs no file
+        std::fprintf(stderr, "retractor-workstation: %s: %s\n", error.where().c_str(), error.what());
+    }
     auto* const dialogs = new QTranslator(&application);
     if (dialogs->load("qtbase_" + language(), QLibraryInfo::location(QLibraryInfo::TranslationsPath)))
         QApplication::installTranslator(dialogs);

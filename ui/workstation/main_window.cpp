@@ -1373,9 +1373,9 @@ void MainWindow::show_progress()
     progress_timer_.start();
     if (exports_running_ > 0) {
         const SerialExecutor::Progress writing = export_executor_.progress();
-        conference_bar_->show_note(QString("Saving: %1 (%2 %)")
-                                       .arg(QString::fromStdString(writing.stage))
-                                       .arg(100.0 * writing.fraction, 0, 'f', 0));
+        conference_bar_->show_note(translated(QString("Saving: %1 (%2 %)")
+                                                  .arg(QString::fromStdString(writing.stage))
+                                                  .arg(100.0 * writing.fraction, 0, 'f', 0)));
         if (!plans) {
             cancel_button_->setEnabled(true);
             progress_->setValue(static_cast<int>(kProgressSteps * writing.fraction));

@@ -750,6 +750,31 @@ namespace wound_hooks_test {
         settle(live_session);
         ASSERT_EQ(live_session.hooks().retractors.size(), 1U);
         EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 3.0, 1e-9);
+        live_session.pull_hook(live_session.hooks().hooks[1].id, Vec3(0.0, 0.0, -2.0));
+        EXPECT_EQ(live_session.step_to_undo(), "cranking the retractor") << "by its other blade";
+        live_session.undo_step();
+        EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 0.0, 0.5) << "one step";
+    }
+
+    TEST(WoundHooks, HooksThatACutTakesOffComeBackWithItsUndo)
+    {
+        SurgerySession live_session = wound_with_retractor(60.0);
+        live_session.crank(live_session.hooks().hooks[0].id, 6.0);
+        settle(live_session);
+        constexpr int kLayers = 4; // of the wall, at most
+        for (int layer = 0; layer < kLayers && !live_session.hooks().retractors.empty(); ++layer) {
+            const KnifeAnswer taken = live_session.take_out(at(live_session, 60.0, 68.0), 30.0);
+            ASSERT_TRUE(taken.done) << taken.reason;
+            settle(live_session);
+        }
+        ASSERT_TRUE(live_session.hooks().retractors.empty()) << "its lip is gone";
+        EXPECT_EQ(live_session.step_to_undo(), "cut");
+        live_session.undo_step();
+        settle(live_session);
+        ASSERT_EQ(live_session.hooks().retractors.size(), 1U);
+        EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 6.0, 1e-9);
+        live_session.redo_step();
+        EXPECT_TRUE(live_session.hooks().retractors.empty());
     }
 
     TEST(WoundHooks, UndoingTheCutTakesItsRetractorOffAndLeavesTheOthers)

@@ -65,15 +65,15 @@ void NotesWindow::open(bool writable)
 void NotesWindow::show_step(const QString& title, const QString& text, const QString& next, const QString& note)
 {
     if (title == step_ && note == kept_) { // what is being written stays
-        text_->setText(text);
+        text_->setText(translated(text));
         return;
     }
     keep_note();
     step_ = title;
     kept_ = note;
-    title_->setText(title);
-    text_->setText(text);
-    next_->setText(translated(next.isEmpty() ? "This is the last step." : "Next: " + next));
+    title_->setText(translated(title));
+    text_->setText(translated(text));
+    next_->setText(translated(next.isEmpty() ? "This is the last step." : "Next: " + translated(next)));
     note_->setPlainText(note);
 }
 

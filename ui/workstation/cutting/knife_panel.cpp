@@ -159,7 +159,7 @@ namespace {
             .arg(forces);
     }
 
-    /// Text of a hook: "left 1   12.3 of 15.0 mm, 60.0 N: yields".
+    /// Text of a hook: "left 1   12.3 / 15.0 mm, 60.0 N: yields".
     QString hook_text(const planner::HookReport& report, const planner::HookState& hook)
     {
         const fem::HookDrive& drive = hook.drive;
@@ -167,20 +167,21 @@ namespace {
             return std::ranges::find(retractor.blades, hook.id) != retractor.blades.end();
         });
         const Vec3 moved = is_blade ? planner::moved_by_hand(report, hook) : hook.displacement;
-        QString text
-            = QString("%1   %2").arg(QString::fromStdString(hook.name).replace('_', ' ')).arg(moved.norm(), 0, 'f', 1);
+        QString text = QString("%1   %2")
+                           .arg(translated(QString::fromStdString(hook.name).replace('_', ' ')))
+                           .arg(moved.norm(), 0, 'f', 1);
         if (!is_blade && !drive.force_N && (hook.yielded || std::isfinite(drive.grip_N_per_mm)))
-            text += QString(" of %1").arg(drive.displacement.norm(), 0, 'f', 1);
-        text += " mm, " + newtons(hook.force_N.norm());
+            text += QString(" / %1").arg(drive.displacement.norm(), 0, 'f', 1);
+        text += " mm, " + translated(newtons(hook.force_N.norm()));
         QStringList why;
         if (drive.force_N)
-            why += QString("pulls with %1 N").arg(drive.force_N->norm(), 0, 'g', 4);
+            why += translated(QString("pulls with %1 N").arg(drive.force_N->norm(), 0, 'g', 4));
         if (std::isfinite(drive.grip_N_per_mm))
-            why += QString("grip of %1 N/mm").arg(drive.grip_N_per_mm, 0, 'g', 4);
+            why += translated(QString("grip of %1 N/mm").arg(drive.grip_N_per_mm, 0, 'g', 4));
         if (hook.yielded) // the hook holds at its own limit, or at the limit of all hooks
-            why += "yields";
+            why += translated("yields");
         else if (std::isfinite(drive.force_limit_N))
-            why += QString("holds up to %1 N").arg(drive.force_limit_N, 0, 'g', 4);
+            why += translated(QString("holds up to %1 N").arg(drive.force_limit_N, 0, 'g', 4));
         return why.isEmpty() ? text : text + ": " + why.join(", ");
     }
 
@@ -296,8 +297,8 @@ KnifePanel::KnifePanel(QWidget* parent)
 
 void KnifePanel::show_sight(const QString& text)
 {
-    if (sight_->text() != translated(text))
-        sight_->setText(translated(text));
+    if (const QString said = translated(text); sight_->text() != said)
+        sight_->setText(said);
     sight_->setVisible(!text.isEmpty());
 }
 
@@ -371,8 +372,10 @@ QHBoxLayout* KnifePanel::make_buttons()
     const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
         return add_button(*this, *buttons, text, tip, run);
     };
-    undo_ = add("Undo", "Take the last cut or the last change of the hooks back (Ctrl+Z)", [this] { give(planner::surgery::Undo {}); });
-    redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", [this] { give(planner::surgery::Redo {}); });
+    undo_ = add("Undo", "Take the last cut or the last change of the hooks back (Ctrl+Z)",
+        [this] { give(planner::surgery::Undo {}); });
+    redo_ = add(
+        "Redo", "Make the step that was undone last again (Ctrl+Shift+Z)", [this] { give(planner::surgery::Redo {}); });
     export_ = add("Export…", "Save the cut wall as VTU", [this] {
         if (on_export)
             on_export();
@@ -608,7 +611,7 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
         const planner::HookState& hook = report.hooks[static_cast<std::size_t>(i)];
         if (hooks_->count() <= i)
             hooks_->addItem(QString());
-        hooks_->item(i)->setText(translated(hook_text(report, hook)));
+        hooks_->item(i)->setText(hook_text(report, hook));
         hook_ids_.push_back(hook.id);
     }
     report_ = report;

@@ -41,7 +41,7 @@
     </message>
     <message>
         <source>Save the log…</source>
-        <translation>記録を保存…</translation>
+        <translation>ログを保存…</translation>
     </message>
     <message>
         <source>What the window said, to be attached to a report of a fault</source>
@@ -66,14 +66,6 @@
     <message>
         <source>The window speaks %1 from its next start on.</source>
         <translation>次に起動したときから、ウィンドウの言語は%1になります。</translation>
-    </message>
-    <message>
-        <source>English</source>
-        <translation>英語</translation>
-    </message>
-    <message>
-        <source>Japanese</source>
-        <translation>日本語</translation>
     </message>
     <message>
         <source>Import a study…</source>
@@ -393,7 +385,7 @@
     </message>
     <message>
         <source>Make the marked place, where the slices meet, the target: an anastomosis, a clamp, a neck, an annulus</source>
-        <translation>断面が交わる印の位置を標的にする：吻合部、遮断部、瘤の頸部、弁輪</translation>
+        <translation>断面が交わる印の位置を標的にする：吻合部、遮断部、瘤のネック、弁輪</translation>
     </message>
     <message>
         <source>Duplicate</source>
@@ -401,7 +393,7 @@
     </message>
     <message>
         <source>Add a copy</source>
-        <translation>写しを加える</translation>
+        <translation>複製を加える</translation>
     </message>
     <message>
         <source>Add neighbours</source>
@@ -793,11 +785,11 @@
     </message>
     <message>
         <source>Another window %1 has this case open. Here you can look at it and plan it, but not change it. Close the other window, then look again. If its computer has failed, delete the file %2 beside the case.</source>
-        <translation>別のウィンドウ（%1）がこの症例を開いています。ここでは見ることと計画はできますが、変えることはできません。そのウィンドウを閉じてから、もう一度確かめてください。その計算機が止まっているときは、症例の横のファイル %2 を消してください。</translation>
+        <translation>別のウィンドウ（%1）がこの症例を開いています。ここでは見ることと計画はできますが、変えることはできません。そのウィンドウを閉じてから、もう一度確かめてください。そのコンピュータが止まっているときは、症例の横のファイル %2 を消してください。</translation>
     </message>
     <message>
         <source>on this computer</source>
-        <translation>この計算機</translation>
+        <translation>このコンピュータ</translation>
     </message>
     <message>
         <source>Look again</source>
@@ -921,7 +913,7 @@
     </message>
     <message>
         <source>Save the log</source>
-        <translation>記録を保存</translation>
+        <translation>ログを保存</translation>
     </message>
     <message>
         <source>Text (*.txt)</source>
@@ -1065,11 +1057,11 @@
     </message>
     <message>
         <source>Divide the space</source>
-        <translation>肋間を分ける</translation>
+        <translation>肋間を切離</translation>
     </message>
     <message>
         <source>Saw across</source>
-        <translation>横に切る</translation>
+        <translation>胸骨を横断</translation>
     </message>
     <message>
         <source>a part of the line was not cut: %1</source>
@@ -1233,7 +1225,7 @@
     </message>
     <message>
         <source>Tension</source>
-        <translation>皮膚の張り</translation>
+        <translation>組織の張り</translation>
     </message>
     <message>
         <source>What the Take out tool (X) removes where you press: a loose piece, or one tissue within this radius</source>
@@ -1253,19 +1245,19 @@
     </message>
     <message>
         <source>Cut the planned incision, with all that the plan divides beyond the skin</source>
-        <translation>計画した切開を、皮膚の下で分ける部分もすべて含めて切る</translation>
+        <translation>計画した切開を、皮膚の下で切離する部分もすべて含めて切る</translation>
     </message>
     <message>
         <source>Saw the sternum across at the lower end of the last cut, under the skin</source>
-        <translation>直前の切開の下端で、皮下の胸骨を横に切る</translation>
+        <translation>直前の切開の下端で、皮下の胸骨を横断する</translation>
     </message>
     <message>
         <source>Divide intercostal muscle and pleura beyond both ends of the last cut, under the skin</source>
-        <translation>直前の切開の両端より先の肋間筋と胸膜を皮下で分ける</translation>
+        <translation>直前の切開の両端より先の肋間筋と胸膜を皮下で切離する</translation>
     </message>
     <message>
         <source>The approach divides nothing beyond the skin</source>
-        <translation>このアプローチは皮膚切開より先を分けません</translation>
+        <translation>このアプローチは皮膚切開より先を切離しません</translation>
     </message>
     <message>
         <source>Export…</source>
@@ -1361,7 +1353,7 @@
     </message>
     <message>
         <source>Adds a copy of the approach that is opened by this retractor as it is now: its place, kind and opening</source>
-        <translation>今の開創器の位置、種類、開きで開くアプローチの写しを加える</translation>
+        <translation>今の開創器の位置、種類、開きで開くアプローチの複製を加える</translation>
     </message>
     <message>
         <source>Select the hook tool with H. Press on the edge of a wound to set a hook or a retractor; drag it to pull</source>
@@ -1573,7 +1565,7 @@
     </message>
     <message>
         <source>Archive or image of the study</source>
-        <translation>検査の書庫または画像</translation>
+        <translation>検査のアーカイブまたは画像</translation>
     </message>
     <message>
         <source>Studies (*.zip DICOMDIR *.dcm *.nii *.nii.gz *.nrrd *.nhdr *.mha *.mhd *.vti);;All files (*)</source>
@@ -2033,11 +2025,11 @@
     </message>
     <message>
         <source>Lungs and pericardium are held aside</source>
-        <translation>肺と心膜をよける</translation>
+        <translation>肺と心膜を圧排する</translation>
     </message>
     <message>
         <source>Divides</source>
-        <translation>分けるもの</translation>
+        <translation>切離する範囲</translation>
     </message>
     <message>
         <source>Depth of the cut</source>
@@ -2241,7 +2233,7 @@
     </message>
     <message>
         <source>Seen by the best eye when the lung that is held aside keeps another share of its volume than the assumed %1 %.</source>
-        <translation>よけた肺が、仮定した %1 % と違う体積を保つときに、最良の目に見える割合。</translation>
+        <translation>圧排した肺が、仮定した %1 % と違う体積を保つときに、最良の目に見える割合。</translation>
     </message>
     <message>
         <source>Bone in sight</source>
@@ -2253,11 +2245,11 @@
     </message>
     <message>
         <source>Held aside</source>
-        <translation>よける臓器</translation>
+        <translation>圧排する臓器</translation>
     </message>
     <message>
         <source>Organs that are held aside in this approach.</source>
-        <translation>このアプローチでよける臓器。</translation>
+        <translation>このアプローチで圧排する臓器。</translation>
     </message>
     <message>
         <source>Hidden by %1</source>
@@ -2461,7 +2453,7 @@
     </message>
     <message>
         <source>Objection</source>
-        <translation>反対</translation>
+        <translation>不可</translation>
     </message>
     <message>
         <source>Not usable</source>
@@ -3213,7 +3205,7 @@
     </message>
     <message>
         <source>%1 is sawn through.</source>
-        <translation>%1を切ります。</translation>
+        <translation>%1を鋸で切断します。</translation>
     </message>
     <message>
         <source>%1 is removed in part.</source>
@@ -3221,15 +3213,11 @@
     </message>
     <message>
         <source>Held aside for this view: %1.</source>
-        <translation>この視野のためによけるもの：%1。</translation>
+        <translation>この視野のために圧排するもの：%1。</translation>
     </message>
     <message>
         <source>Nothing found.</source>
         <translation>見つかりませんでした。</translation>
-    </message>
-    <message>
-        <source>With %1 %2 shows most (%3 %), not %4.</source>
-        <translation>%1では、%4でなく %2 が最もよく見えます (%3 %)。</translation>
     </message>
     <message>
         <source>the organs %1 mm nearer to the head</source>
@@ -3757,11 +3745,11 @@
     </message>
     <message>
         <source>proximal neck</source>
-        <translation>近位側頸部</translation>
+        <translation>中枢側ネック</translation>
     </message>
     <message>
         <source>distal neck</source>
-        <translation>遠位側頸部</translation>
+        <translation>末梢側ネック</translation>
     </message>
     <message>
         <source>annulus</source>
@@ -3777,11 +3765,11 @@
     </message>
     <message>
         <source>Proximal neck</source>
-        <translation>近位側頸部</translation>
+        <translation>中枢側ネック</translation>
     </message>
     <message>
         <source>Distal neck</source>
-        <translation>遠位側頸部</translation>
+        <translation>末梢側ネック</translation>
     </message>
     <message>
         <source>Annulus</source>
@@ -3797,11 +3785,11 @@
     </message>
     <message>
         <source>proximal neck on %1</source>
-        <translation>%1の近位側頸部</translation>
+        <translation>%1の中枢側ネック</translation>
     </message>
     <message>
         <source>distal neck on %1</source>
-        <translation>%1の遠位側頸部</translation>
+        <translation>%1の末梢側ネック</translation>
     </message>
     <message>
         <source>annulus on %1</source>
@@ -3821,7 +3809,7 @@
     </message>
     <message>
         <source>rib spreader: two broad blades on a rack, each turns about its arm</source>
-        <translation>肋骨開創器：ラックに幅広のブレード二枚、それぞれがアームのまわりに回る</translation>
+        <translation>開胸器：ラックに幅広のブレード二枚、それぞれがアームのまわりに回る</translation>
     </message>
     <message>
         <source>sternal spreader: two long, shallow blades, almost fixed to their arms</source>
@@ -3961,19 +3949,19 @@
     </message>
     <message>
         <source>Sawn through: %1.</source>
-        <translation>切る骨：%1。</translation>
+        <translation>鋸で切断する骨：%1。</translation>
     </message>
     <message>
         <source>Division: %1.</source>
-        <translation>分けるもの：%1。</translation>
+        <translation>切離：%1。</translation>
     </message>
     <message>
         <source>Intercostal muscle and pleura are to be divided beyond the skin.</source>
-        <translation>肋間筋と胸膜を皮膚切開より先まで分けます。</translation>
+        <translation>肋間筋と胸膜を皮膚切開より先まで切離します。</translation>
     </message>
     <message>
         <source>The sternum is to be sawn across under the skin.</source>
-        <translation>皮下で胸骨を横に切ります。</translation>
+        <translation>皮下で胸骨を横断します。</translation>
     </message>
     <message>
         <source>The best eye sees %1 of the %2; two instruments reach %3, a finger touches %4.</source>
@@ -4101,7 +4089,7 @@
     </message>
     <message>
         <source>what is divided beyond the skin ends where the meshed wall does</source>
-        <translation>皮膚より先で分ける部分は、メッシュにした体壁の端で終わります</translation>
+        <translation>皮膚より先で切離する部分は、メッシュにした体壁の端で終わります</translation>
     </message>
     <message>
         <source>End the tour</source>
@@ -4345,7 +4333,7 @@
     </message>
     <message>
         <source>segmentation</source>
-        <translation>分割</translation>
+        <translation>セグメンテーション</translation>
     </message>
     <message>
         <source>bones</source>
@@ -4666,6 +4654,170 @@
     <message>
         <source>across its middle</source>
         <translation>中央で直交</translation>
+    </message>
+    <message>
+        <source>Choose a folder…</source>
+        <translation>フォルダを選ぶ…</translation>
+    </message>
+    <message>
+        <source>Make the step that was undone last again (Ctrl+Shift+Z)</source>
+        <translation>最後に取り消した操作をもう一度行う (Ctrl+Shift+Z)</translation>
+    </message>
+    <message>
+        <source>With %1, %2 shows most (%3 %), not %4 (%5 %).</source>
+        <translation>%1では、%4 (%5 %) でなく %2 が最もよく見えます (%3 %)。</translation>
+    </message>
+    <message>
+        <source>The %1 would break from %2 mm on.</source>
+        <translation>%1は %2 mm から折れる見込みです。</translation>
+    </message>
+    <message>
+        <source>The %1 comes near breaking.</source>
+        <translation>%1は折れそうです。</translation>
+    </message>
+    <message>
+        <source>the %1</source>
+        <translation>%1</translation>
+    </message>
+    <message>
+        <source>with injury: %1</source>
+        <translation>損傷を伴う：%1</translation>
+    </message>
+    <message>
+        <source>The approaches have different targets, so what is seen of them is not compared.</source>
+        <translation>アプローチの標的が違うので、見える割合は比べません。</translation>
+    </message>
+    <message>
+        <source>upper blade %1</source>
+        <translation>上のブレード %1</translation>
+    </message>
+    <message>
+        <source>lower blade %1</source>
+        <translation>下のブレード %1</translation>
+    </message>
+    <message>
+        <source>left blade %1</source>
+        <translation>左のブレード %1</translation>
+    </message>
+    <message>
+        <source>right blade %1</source>
+        <translation>右のブレード %1</translation>
+    </message>
+    <message>
+        <source>front blade %1</source>
+        <translation>前のブレード %1</translation>
+    </message>
+    <message>
+        <source>back blade %1</source>
+        <translation>後ろのブレード %1</translation>
+    </message>
+    <message>
+        <source>hook %1 and hook %2</source>
+        <translation>鉤 %1 と鉤 %2</translation>
+    </message>
+    <message>
+        <source>%1 blade and %2 blade</source>
+        <translation>%1のブレードと%2のブレード</translation>
+    </message>
+    <message>
+        <source>upper</source>
+        <translation>上</translation>
+    </message>
+    <message>
+        <source>lower</source>
+        <translation>下</translation>
+    </message>
+    <message>
+        <source>front</source>
+        <translation>前</translation>
+    </message>
+    <message>
+        <source>back</source>
+        <translation>後ろ</translation>
+    </message>
+    <message>
+        <source>left</source>
+        <translation>左</translation>
+    </message>
+    <message>
+        <source>right</source>
+        <translation>右</translation>
+    </message>
+    <message>
+        <source>%1 has lost its tissue and was removed</source>
+        <translation>%1は組織から外れたので取り除きました</translation>
+    </message>
+    <message>
+        <source>the %1 retractor has lost its tissue and was removed</source>
+        <translation>開創器（%1）は組織から外れたので取り除きました</translation>
+    </message>
+    <message>
+        <source>a hook or blade already holds the wound here: drag it, or press farther away from it</source>
+        <translation>ここにはすでに鉤またはブレードがかかっています。それをドラッグするか、離れた所を押してください</translation>
+    </message>
+    <message>
+        <source>the planned hooks already hold the wound: remove them to start again</source>
+        <translation>計画した鉤はすでにかかっています。やり直すには外してください</translation>
+    </message>
+    <message>
+        <source>the wall cannot be opened: %1</source>
+        <translation>体壁を開けません：%1</translation>
+    </message>
+    <message>
+        <source>both blades must find a hold: %1</source>
+        <translation>両方のブレードが組織にかからなければなりません：%1</translation>
+    </message>
+    <message>
+        <source>all hooks were removed: %1</source>
+        <translation>すべての鉤を外しました：%1</translation>
+    </message>
+    <message>
+        <source>read labels %1 %</source>
+        <translation>ラベルの読み込み %1 %</translation>
+    </message>
+    <message>
+        <source>labels %1 %</source>
+        <translation>ラベル %1 %</translation>
+    </message>
+    <message>
+        <source>tetrahedra %1 %</source>
+        <translation>四面体 %1 %</translation>
+    </message>
+    <message>
+        <source>refine tetrahedra %1 %</source>
+        <translation>四面体の細分 %1 %</translation>
+    </message>
+    <message>
+        <source>optimise tetrahedra %1 %</source>
+        <translation>四面体の改善 %1 %</translation>
+    </message>
+    <message>
+        <source>label surface %1 %</source>
+        <translation>ラベルの表面 %1 %</translation>
+    </message>
+    <message>
+        <source>label field %1 %</source>
+        <translation>ラベルの場 %1 %</translation>
+    </message>
+    <message>
+        <source>look for fragments %1 %</source>
+        <translation>離れた片の探索 %1 %</translation>
+    </message>
+    <message>
+        <source>repair labels %1 %</source>
+        <translation>ラベルの修復 %1 %</translation>
+    </message>
+    <message>
+        <source>read CT %1 %</source>
+        <translation>CT の読み込み %1 %</translation>
+    </message>
+    <message>
+        <source>cutting session %1 %</source>
+        <translation>切開の準備 %1 %</translation>
+    </message>
+    <message>
+        <source>voxels %1 %</source>
+        <translation>ボクセル %1 %</translation>
     </message>
 </context>
 </TS>

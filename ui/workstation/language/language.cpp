@@ -34,7 +34,8 @@ namespace retractor::ui {
 namespace {
 
     constexpr const char* kSetting = "language";
-    /// Where systems have a font with Japanese letters, for the texts in pictures; the first is Debian's fonts-noto-cjk.
+    /// Where systems have a font with Japanese letters, for the texts in pictures; the first is Debian's
+    /// fonts-noto-cjk.
     constexpr std::array kJapaneseFonts { "/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc",
         "/usr/share/fonts/google-noto-cjk/NotoSansCJK-Regular.ttc",
         "/usr/share/fonts/opentype/ipafont-gothic/ipag.ttf" };
@@ -42,10 +43,11 @@ namespace {
     struct Chosen {
         QString code = "en";
         Phrasebook book; ///< empty in English
+        QHash<QString, QString> said; ///< texts that were asked for lately: many are asked for at every picture
         bool in_pictures = false; ///< there is a font for them
     };
 
-    /// Windows are made and spoken to in the interface's thread only.
+    /// Used on the interface's thread only.
     Chosen& chosen()
     {
         static Chosen language;
@@ -161,24 +163,33 @@ void set_language(const QString& code)
     }
     const std::string font = picture_font(code);
     set_annotation_font(font);
-    chosen() = { code, std::move(book), !font.empty() };
+    chosen() = { .code = code, .book = std::move(book), .said = {}, .in_pictures = !font.empty() };
 }
 
 QString language() { return chosen().code; }
 
 QString preferred_language()
 {
-    const QString kept = settings().value(kSetting).toString();
-    const QString code = is_known(kept) ? kept : QLocale::system().name().left(2);
-    const bool readable = code == "ja" && !QFontDatabase().families(QFontDatabase::Japanese).isEmpty();
-    return readable ? code : "en";
+    if (const QString kept = settings().value(kSetting).toString(); is_known(kept))
+        return kept;
+    const bool japanese = QLocale::system().language() == QLocale::Japanese
+        && !QFontDatabase().families(QFontDatabase::Japanese).isEmpty();
+    return japanese ? "ja" : "en";
 }
 
 void prefer_language(const QString& code) { settings().setValue(kSetting, code); }
 
 QString translated(const QString& english)
 {
-    return chosen().code == "en" || english.isEmpty() ? english : translated(chosen().book, english);
+    constexpr int kMostSaid = 2000;
+    if (chosen().code == "en" || english.isEmpty())
+        return english;
+    QHash<QString, QString>& said = chosen().said;
+    if (const auto found = said.constFind(english); found != said.constEnd())
+        return *found;
+    if (said.size() >= kMostSaid)
+        said.clear();
+    return *said.insert(english, translated(chosen().book, english));
 }
 
 QString translated(const std::string& english) { return translated(QString::fromStdString(english)); }

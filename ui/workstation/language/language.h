@@ -26,7 +26,8 @@ void set_language(const QString& code);
 /// The code of the language that is set; "en" at first.
 QString language();
 
-/// The language that a person has chosen, else that of the system where there is a font for it, else English.
+/// The language that a person has chosen, else that of the system where there is a font for it, else English. Needs a
+/// QApplication.
 QString preferred_language();
 
 /// Keeps the choice for the next start.

@@ -21,7 +21,7 @@ namespace {
     /// The phrase as a pattern; nothing in an open place ends a sentence, so that a phrase does not swallow the next.
     OpenPhrase open_phrase(const QString& english, const QString& translation)
     {
-        OpenPhrase phrase { .english = {}, .places = {}, .translation = translation };
+        OpenPhrase phrase { .english = {}, .places = {}, .translation = translation, .source = english };
         QString pattern;
         int end = 0;
         for (auto found = kPlace.globalMatch(english); found.hasNext();) {
@@ -32,6 +32,7 @@ namespace {
             end = place.capturedEnd();
         }
         pattern += QRegularExpression::escape(english.mid(end));
+        phrase.letters = english.size() - 2 * static_cast<int>(phrase.places.size());
         phrase.english = QRegularExpression(QRegularExpression::anchoredPattern(pattern));
         return phrase;
     }
@@ -93,9 +94,8 @@ Phrasebook read_phrasebook(QIODevice& file)
     }
     if (xml.hasError())
         throw InputError(xml.errorString().toStdString(), "line " + std::to_string(xml.lineNumber()));
-    std::stable_sort(book.open_phrases.begin(), book.open_phrases.end(), [](const OpenPhrase& a, const OpenPhrase& b) {
-        return a.english.pattern().size() > b.english.pattern().size();
-    });
+    std::stable_sort(book.open_phrases.begin(), book.open_phrases.end(),
+        [](const OpenPhrase& a, const OpenPhrase& b) { return a.letters > b.letters; });
     return book;
 }
 
@@ -103,6 +103,8 @@ QString translated(const Phrasebook& book, const QString& english)
 {
     if (const auto whole = book.phrases.find(english); whole != book.phrases.end())
         return *whole;
+    if (!english.contains(kWord)) // a number
+        return english;
     if (english.contains('\n'))
         return joined_parts(book, english.split('\n'), "\n");
     for (const OpenPhrase& phrase : book.open_phrases)

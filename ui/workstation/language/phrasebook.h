@@ -17,12 +17,14 @@ struct OpenPhrase {
     QRegularExpression english; ///< its captures are the open places, in the order in which they stand
     std::vector<int> places; ///< the number of each capture: 1 for %1
     QString translation;
+    QString source;
+    int letters = 0; ///< of the English phrase, without its places
 };
 
 /// What a file of translations says.
 struct Phrasebook {
     QHash<QString, QString> phrases; ///< English to translation
-    std::vector<OpenPhrase> open_phrases; ///< the longest first, because it says most
+    std::vector<OpenPhrase> open_phrases; ///< the one with most letters first, because it says most
 };
 
 /// Reads a file of Qt Linguist (.ts). @throws InputError naming the line where it is not one

@@ -205,7 +205,7 @@ void PalpationWindow::open(
     say({}, false);
     const double radius = planner::fingertip_radius(scene_);
     panel_->begin(setup, kPressShare * radius, 3.0 * radius);
-    setWindowTitle("Retractor - palpation of " + QString::fromStdString(scene_.name));
+    setWindowTitle(translated("Retractor - palpation of " + scene_.name));
     worker_ = std::make_unique<planner::PalpationWorker>(scene_, setup, backend_);
     show_scene();
     view_->show_note("Preparing the tissue …");

@@ -212,7 +212,8 @@ namespace {
         column.addSpacing(10);
         column.addWidget(label("Think of this first", "color: white;", 11.0, true));
         for (std::size_t n = 0; n < candidates.size(); ++n)
-            column.addWidget(label(planner::compared_letter(n) + ": " + planner::crisis_text(candidates[n]),
+            column.addWidget(label(
+                planner::compared_letter(n) + ": " + translated(planner::crisis_text(candidates[n])).toStdString(),
                 QString("color: %1;").arg(compared_color(n).name())));
         for (const std::string& sentence : planner::sight_order_sentences(fields))
             column.addWidget(label(sentence, "color: #d7dde2;"));

@@ -257,7 +257,7 @@ void SearchDialog::show_answer(FoundProposals found)
         const planner::Verdict verdict = planner::verdict_of(field);
         const LightLook look = light_look(verdict.light);
         QTableWidgetItem* const name
-            = cell(planner::compared_letter(n) + "  " + sentence(best[n].proposal.words).toStdString());
+            = cell(planner::compared_letter(n) + "  " + translated(sentence(best[n].proposal.words)).toStdString());
         name->setFlags(Qt::ItemIsEnabled | Qt::ItemIsUserCheckable);
         name->setCheckState(n == 0 ? Qt::Checked : Qt::Unchecked);
         table_->setItem(row, kPlace, name);
@@ -265,9 +265,9 @@ void SearchDialog::show_answer(FoundProposals found)
         table_->setItem(row, kSeen, cell(planner::two_digits(100.0 * field.seen_best_eye) + " %"));
         table_->setItem(row, kReached, cell(planner::two_digits(100.0 * field.reached_by_two_instruments) + " %"));
         table_->setItem(row, kForce, cell(planner::two_digits(field.hook_force_N) + " N"));
-        std::string words = look.word;
+        std::string words = translated(look.word).toStdString();
         if (!verdict.sentences.empty())
-            words += ". " + verdict.sentences.front();
+            words += ". " + translated(verdict.sentences.front()).toStdString();
         QTableWidgetItem* const said = cell(words);
         said->setForeground(QColor(look.color));
         std::string all;

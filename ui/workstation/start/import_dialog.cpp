@@ -234,13 +234,13 @@ QWidget* ImportDialog::make_choices()
     auto* row = new QHBoxLayout;
     case_folder_ = new QLineEdit;
     case_folder_->setObjectName("case folder");
-    auto* choose = new QPushButton("Choose…");
+    auto* choose = new QPushButton("Choose a folder…");
     choose->setAutoDefault(false);
     row->addWidget(case_folder_, 1);
     row->addWidget(choose);
     column->addLayout(row);
     connect(choose, &QPushButton::clicked, this, [this] {
-        const QString folder = QFileDialog::getExistingDirectory(this, "Folder of the case");
+        const QString folder = QFileDialog::getExistingDirectory(this, translated("Folder of the case"));
         if (!folder.isEmpty())
             set_case_folder(folder.toStdString());
     });

@@ -9,6 +9,7 @@
 #include "planner/decision/decisions.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/ranking.h"
+#include "planner/measures/verdict.h"
 #include "ui/plan_scene/field_map.h"
 #include "ui/scene/scene.h"
 #include "ui/workstation/language/phrasebook.h"
@@ -143,6 +144,14 @@ namespace language_test {
         return all;
     }
 
+    /// What stays English in a text that is composed of several parts, but for units and what people name.
+    QString english_in(const std::string& text)
+    {
+        QString said = translated(text);
+        static const QRegularExpression words("[A-Za-z]{3,}");
+        return said.contains(words) ? said : QString();
+    }
+
     class Japanese : public testing::Test {
     protected:
         Japanese() { set_language("ja"); }
@@ -156,6 +165,13 @@ namespace language_test {
         const Phrasebook book = read_phrasebook(file);
         EXPECT_GT(book.phrases.size() + static_cast<int>(book.open_phrases.size()), 900);
         for (const OpenPhrase& phrase : book.open_phrases) {
+            QString english = phrase.source, japanese = phrase.translation;
+            for (const int place : phrase.places) {
+                english.replace("%" + QString::number(place), QString::number(10 + place));
+                japanese.replace("%" + QString::number(place), QString::number(10 + place));
+            }
+            EXPECT_EQ(translated(book, english), japanese)
+                << "another phrase takes its place: " << english.toStdString();
             for (const int place : phrase.places)
                 EXPECT_TRUE(phrase.translation.contains("%" + QString::number(place)))
                     << phrase.english.pattern().toStdString();
@@ -177,6 +193,26 @@ namespace language_test {
             texts.insert(texts.end(), { question.title, question.sentence });
         for (const std::string& text : texts)
             EXPECT_TRUE(is_japanese(translated(text))) << text;
+    }
+
+    TEST_F(Japanese, SentencesOfTheLibrariesAreTranslatedWhole)
+    {
+        planner::FieldMetrics field;
+        field.target = "aneurysm";
+        field.mechanics_status = "converged";
+        field.seen_best_eye = 0.35;
+        field.opening_width_mm = 45.0;
+        field.hook_force_N = 70.0;
+        field.at_risk = { { .name = "aorta", .distance_mm = 0.0 } };
+        field.estimated = { "aorta" };
+        for (const std::string& sentence : planner::verdict_of(field).sentences)
+            EXPECT_EQ(english_in(sentence), "") << sentence;
+        for (const char* const text : { "With lungs of 30 % of their volume, B shows most (35 %), not A (30 %).",
+                 "The sternum would break from 20 mm on.", "Rib 4 on the left would break from 30 mm on.",
+                 "under no tension here, 4 % tension in the plan: the wound opens differently",
+                 "taking off the upper blade 2", "moving the hook 1", "hook 1 has lost its tissue and was removed",
+                 "The aorta is cut. Sternum is sawn through." })
+            EXPECT_EQ(english_in(text), "") << text;
     }
 
     TEST_F(Japanese, TheWindowAndItsDialogsSpeakIt)

@@ -599,8 +599,8 @@ void SurgerySession::undo_step()
             give_hooks_back(hooks_before_cut_[cut]);
         return;
     }
-    if (return_hooks_to(step->before))
-        --hook_steps_made_;
+    (void)return_hooks_to(step->before); // a step whose hooks cannot be set must not block those before it
+    --hook_steps_made_;
 }
 
 void SurgerySession::redo_step()
@@ -608,8 +608,8 @@ void SurgerySession::redo_step()
     const HookStep* const step = hook_step_to_redo();
     if (step == nullptr)
         return redo();
-    if (return_hooks_to(step->after))
-        ++hook_steps_made_;
+    (void)return_hooks_to(step->after);
+    ++hook_steps_made_;
 }
 
 /// @return whether the hooks are as they were then; if not, the remark says why

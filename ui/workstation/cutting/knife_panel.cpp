@@ -159,7 +159,7 @@ namespace {
             .arg(forces);
     }
 
-    /// Text of a hook: "left 1   12.3 / 15.0 mm, 60.0 N: yields".
+    /// Text of a hook: "left 1   12.3 of 15.0 mm, 60.0 N: yields".
     QString hook_text(const planner::HookReport& report, const planner::HookState& hook)
     {
         const fem::HookDrive& drive = hook.drive;
@@ -171,7 +171,7 @@ namespace {
                            .arg(translated(QString::fromStdString(hook.name).replace('_', ' ')))
                            .arg(moved.norm(), 0, 'f', 1);
         if (!is_blade && !drive.force_N && (hook.yielded || std::isfinite(drive.grip_N_per_mm)))
-            text += QString(" / %1").arg(drive.displacement.norm(), 0, 'f', 1);
+            text += translated(QString(" of %1").arg(drive.displacement.norm(), 0, 'f', 1));
         text += " mm, " + translated(newtons(hook.force_N.norm()));
         QStringList why;
         if (drive.force_N)

@@ -1,5 +1,7 @@
 #include "ui/workstation/help/manual_window.h"
 
+#include "ui/workstation/language/language.h"
+
 #include <QShortcut>
 #include <QTextBlock>
 #include <QTextBrowser>
@@ -48,7 +50,7 @@ QWidget* show_manual(const std::filesystem::path& folder, const QString& page, c
     auto* window = new QWidget(parent, Qt::Window);
     window->setAttribute(Qt::WA_DeleteOnClose);
     window->setObjectName("manual");
-    window->setWindowTitle("Retractor: manual");
+    window->setWindowTitle(translated("Retractor: manual"));
     window->resize(kWidthPx, kHeightPx);
     auto* column = new QVBoxLayout(window);
     column->setContentsMargins(0, 0, 0, 0);

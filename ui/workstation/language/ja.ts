@@ -4819,5 +4819,9 @@
         <source>voxels %1 %</source>
         <translation>ボクセル %1 %</translation>
     </message>
+    <message>
+        <source> of %1</source>
+        <translation> / %1</translation>
+    </message>
 </context>
 </TS>

@@ -303,7 +303,7 @@ void PalpationWindow::show_hands(const ShownHands& hands)
 
 void PalpationWindow::ask_for_hand()
 {
-    const QString file = QFileDialog::getOpenFileName(this, "Hand", {}, "Wavefront OBJ (*.obj)");
+    const QString file = QFileDialog::getOpenFileName(this, translated("Hand"), {}, "Wavefront OBJ (*.obj)");
     if (file.isEmpty())
         return;
     try {
@@ -412,15 +412,16 @@ void PalpationWindow::record_or_stop()
         return;
     if (frame_->recorded_s < 0.0 && !snapshot_->unwritten_recording)
         return start_recording();
-    const QString file = QFileDialog::getSaveFileName(
-        this, "Save the recording", "palpation.motion", "Motion (*.motion);;Motion as CSV (*.csv)");
+    const QString file = QFileDialog::getSaveFileName(this, translated("Save the recording"), "palpation.motion",
+        translated("Motion (*.motion);;Motion as CSV (*.csv)"));
     if (!file.isEmpty())
         stop_recording(file.toStdString());
 }
 
 void PalpationWindow::ask_for_scene()
 {
-    const QString file = QFileDialog::getOpenFileName(this, "Open palpation scene", {}, "Palpation scene (*.json)");
+    const QString file = QFileDialog::getOpenFileName(
+        this, translated("Open palpation scene"), {}, translated("Palpation scene (*.json)"));
     if (!file.isEmpty())
         open_file(file.toStdString());
 }

@@ -1,5 +1,7 @@
 #include "ui/workstation/palpation/strip_chart.h"
 
+#include "ui/workstation/language/language.h"
+
 #include <QPainter>
 #include <QPainterPath>
 
@@ -105,7 +107,7 @@ void StripChart::paintEvent(QPaintEvent*)
             high = std::max(high, s.pressure_mmHg);
         }
         constexpr double kStep = 20.0;
-        draw_plot(painter, { kMarginLeft, top, across, height_each }, "Blood pressure, mmHg",
+        draw_plot(painter, { kMarginLeft, top, across, height_each }, translated("Blood pressure, mmHg"),
             kStep * std::floor(low / kStep), kStep * std::ceil(high / kStep), { pressure });
         top += height_each + kMarginTop;
     }
@@ -123,13 +125,13 @@ void StripChart::paintEvent(QPaintEvent*)
     const QString gain = force_gain_ == 1.0
         ? QString()
         : QString("  (the hands feel this force times %1)").arg(force_gain_, 0, 'g', 3);
-    draw_plot(painter, { kMarginLeft, top, across, height_each }, "Force on each finger, N" + gain, 0.0, round_up(most),
-        forces);
+    draw_plot(painter, { kMarginLeft, top, across, height_each }, translated("Force on each finger, N") + gain, 0.0,
+        round_up(most), forces);
     painter.setPen(QColor(0xa4, 0xad, 0xb5));
     const QRectF foot(kMarginLeft, height() - kMarginBottom, across, kMarginBottom);
-    painter.drawText(
-        foot, Qt::AlignLeft | Qt::AlignVCenter, QString("%1 s ago").arg(planner::PalpationFrame::kStripSeconds));
-    painter.drawText(foot, Qt::AlignRight | Qt::AlignVCenter, "now");
+    painter.drawText(foot, Qt::AlignLeft | Qt::AlignVCenter,
+        translated(QString("%1 s ago").arg(planner::PalpationFrame::kStripSeconds)));
+    painter.drawText(foot, Qt::AlignRight | Qt::AlignVCenter, translated("now"));
 }
 
 } // namespace retractor::ui

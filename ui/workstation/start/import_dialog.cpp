@@ -184,13 +184,13 @@ QWidget* ImportDialog::make_labels()
         buttons->addWidget(button);
     };
     add_button("Add label file…", [this] {
-        const QString file = QFileDialog::getOpenFileName(this, "Add labels", {},
-            "Label maps (*.nrrd *.seg.nrrd *.nii *.nii.gz *.mha *.mhd *.vti *.dcm);;All files (*)");
+        const QString file = QFileDialog::getOpenFileName(this, translated("Add labels"), {},
+            translated("Label maps (*.nrrd *.seg.nrrd *.nii *.nii.gz *.mha *.mhd *.vti *.dcm);;All files (*)"));
         if (!file.isEmpty())
             add_labels(file.toStdString());
     });
     add_button("Add folder of masks…", [this] {
-        const QString folder = QFileDialog::getExistingDirectory(this, "Add a folder of masks");
+        const QString folder = QFileDialog::getExistingDirectory(this, translated("Add a folder of masks"));
         if (!folder.isEmpty())
             add_labels(folder.toStdString());
     });

@@ -4823,5 +4823,69 @@
         <source> of %1</source>
         <translation> / %1</translation>
     </message>
+    <message>
+        <source>Aneurysm</source>
+        <translation>動脈瘤</translation>
+    </message>
+    <message>
+        <source>Aorta</source>
+        <translation>大動脈</translation>
+    </message>
+    <message>
+        <source>Heart</source>
+        <translation>心臓</translation>
+    </message>
+    <message>
+        <source>Trachea</source>
+        <translation>気管</translation>
+    </message>
+    <message>
+        <source>Left lung</source>
+        <translation>左肺</translation>
+    </message>
+    <message>
+        <source>Right lung</source>
+        <translation>右肺</translation>
+    </message>
+    <message>
+        <source>Pulmonary trunk</source>
+        <translation>肺動脈幹</translation>
+    </message>
+    <message>
+        <source>Pulmonary artery</source>
+        <translation>肺動脈</translation>
+    </message>
+    <message>
+        <source>Superior vena cava</source>
+        <translation>上大静脈</translation>
+    </message>
+    <message>
+        <source>Inferior vena cava</source>
+        <translation>下大静脈</translation>
+    </message>
+    <message>
+        <source>Left atrium</source>
+        <translation>左心房</translation>
+    </message>
+    <message>
+        <source>Spine</source>
+        <translation>脊椎</translation>
+    </message>
+    <message>
+        <source>Liver</source>
+        <translation>肝臓</translation>
+    </message>
+    <message>
+        <source>Muscle</source>
+        <translation>筋</translation>
+    </message>
+    <message>
+        <source>Fat</source>
+        <translation>脂肪</translation>
+    </message>
+    <message>
+        <source>Cartilage</source>
+        <translation>軟骨</translation>
+    </message>
 </context>
 </TS>

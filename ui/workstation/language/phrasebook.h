@@ -17,7 +17,7 @@ struct OpenPhrase {
     QRegularExpression english; ///< its captures are the open places, in the order in which they stand
     std::vector<int> places; ///< the number of each capture: 1 for %1
     QString translation;
-    QString source;
+    QString source; ///< the English phrase
     int letters = 0; ///< of the English phrase, without its places
 };
 
@@ -30,8 +30,8 @@ struct Phrasebook {
 /// Reads a file of Qt Linguist (.ts). @throws InputError naming the line where it is not one
 Phrasebook read_phrasebook(QIODevice& file);
 
-/// The text in the language of the book: the phrase, else a phrase with open places (what stands in them is translated
-/// too), else line by line and sentence by sentence. @returns what the book does not know unchanged
+/// The text in the language of the book: the phrase, else line by line a phrase with open places (what stands in them
+/// is translated too), else sentence by sentence. @returns what the book does not know unchanged
 QString translated(const Phrasebook& book, const QString& english);
 
 } // namespace retractor::ui

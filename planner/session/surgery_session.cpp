@@ -599,7 +599,7 @@ void SurgerySession::undo_step()
             give_hooks_back(hooks_before_cut_[cut]);
         return;
     }
-    (void)return_hooks_to(step->before); // a step whose hooks cannot be set must not block those before it
+    return_hooks_to(step->before);
     --hook_steps_made_;
 }
 
@@ -608,30 +608,27 @@ void SurgerySession::redo_step()
     const HookStep* const step = hook_step_to_redo();
     if (step == nullptr)
         return redo();
-    (void)return_hooks_to(step->after);
+    return_hooks_to(step->after);
     ++hook_steps_made_;
 }
 
-/// @return whether the hooks are as they were then; if not, the remark says why
-bool SurgerySession::return_hooks_to(const HookSet& then)
+/// Where the hooks cannot be set again, the remark says why; this must not block the steps before.
+void SurgerySession::return_hooks_to(const HookSet& then)
 {
-    if (then.hooks.empty()) {
-        take_hooks_off();
-        return true;
-    }
+    if (then.hooks.empty())
+        return take_hooks_off();
     if (hooks_ == nullptr) {
         try {
             make_hooks(placements_of(then));
         } catch (const Error& error) {
             remark_ = std::string("the wall cannot be opened: ") + error.what();
-            return false;
+            return;
         }
     }
     with_hooks([&] {
         hooks_->return_to(then);
         hooks_->frame();
     });
-    return hooks_ != nullptr; // with_hooks() drops all hooks where they cannot be set
 }
 
 /// Makes a change of the hooks that can be undone. A change that changes nothing leaves no step.

@@ -223,7 +223,7 @@ private:
     void add_cut(CutEntry entry);
     HookSet hook_set() const { return hooks_ != nullptr ? hooks_->hook_set() : HookSet {}; }
     template <class Change> auto hook_step(const std::string& what, const std::string& moved, const Change& change);
-    bool return_hooks_to(const HookSet& then);
+    void return_hooks_to(const HookSet& then);
     void give_hooks_back(const HookSet& before);
     const HookStep* hook_step_to_undo() const;
     const HookStep* hook_step_to_redo() const;

@@ -14,7 +14,6 @@
 #include "ui/scene/scene.h"
 #include "ui/workstation/language/phrasebook.h"
 #include "ui/workstation/main_window.h"
-#include "ui/workstation/planning/approach_dialog.h"
 #include "ui/workstation/planning/search_dialog.h"
 
 #include <gtest/gtest.h>

@@ -28,6 +28,12 @@ struct FingerContact {
     /// Stiffness of the tissue at the contact along the normal, N/mm, which bounds the coupling; 0 when free.
     double stiffness = 0.0;
     bool touching = false;
+    /// Of a finger in an opening (haptics/surroundings/hindered_tissue.h):
+    bool stopped = false; ///< the surroundings keep the finger from where the hand is
+    Vec3 stopped_at = Vec3::Zero(); ///< centre of the fingertip where it fits, mm
+    Vec3 held_back = Vec3::Zero(); ///< the part of `force` by which the surroundings hold the hand back, N
+    int stopped_by = -1; ///< what stops it (FingerAccess::Answer::hindrance); -1: nothing, or not known
+    Vec3 outward = Vec3::Zero(); ///< from the tip to the hand, unit; zero: not known
 };
 
 /// A tissue under fingertips. tick() belongs to the servo thread, all other functions to the simulation thread; both

@@ -1,0 +1,90 @@
+#pragma once
+// Where a straight finger, or the shaft of an instrument, can be through an opening in solid surroundings. Units mm.
+//
+// Either is a round rod that tapers to its tip. It is in a place where the tip, and the rod on a straight way
+// through the opening into the hand, keep clear of all surroundings. Such a finger could have been put in along its own
+// axis, so a place is allowed or not whichever way the finger came. Above the opening the finger stands upright.
+
+#include "haptics/surroundings/distance_grid.h"
+#include "mesh/base/geometry.h"
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace retractor::haptics {
+
+struct Opening {
+    Vec3 centre = Vec3::Zero();
+    Vec3 normal = Vec3::UnitZ(); ///< out of the body, unit
+    Vec3 along = Vec3::UnitX(); ///< unit, across `normal`
+    double length_mm = 0.0, width_mm = 0.0; ///< along `along` and across it
+};
+
+/// A finger, as the measure "touched by a finger" has it (planner/measures/sight/instruments.h), or an instrument.
+struct StraightRod {
+    double thickness_mm = 16.0;
+    double taper_mm = 10.0; ///< from the tip to the full thickness
+    double reach_mm = 80.0; ///< below the opening, while the hand stays outside
+    double outside_mm = 30.0; ///< length outside that also needs room
+};
+
+class FingerAccess {
+public:
+    /// @throws InputError on an opening or a finger without extent
+    FingerAccess(std::shared_ptr<const DistanceGrid> around, const Opening& opening, const StraightRod& finger = {});
+
+    static constexpr int kTooFar = -2; ///< the finger is too short
+    struct Answer {
+        bool fits = false;
+        Vec3 outward = Vec3::Zero(); ///< from the tip to the hand, unit; where it fits
+        int hindrance = DistanceGrid::kNone; ///< where it does not fit: surface (DistanceGrid::names()) or kTooFar
+        Vec3 away = Vec3::Zero(); ///< where it does not fit: direction in which there is more room, unit or zero
+        std::size_t gate = 0; ///< way through the opening; speeds the next question up
+    };
+    /// Whether a finger fits with the centre of its tip at a place. Outside the grid nothing is known, and nothing
+    /// hinders. Allocates nothing.
+    /// @param tip_radius_mm of the ball at its end
+    [[nodiscard]] Answer at(const Vec3& tip, double tip_radius_mm, std::size_t gate = 0) const noexcept;
+
+    /// A place where a finger fits, near to the wanted one: the way there from an allowed place as far as it is free,
+    /// and then along what hinders. Allocates nothing.
+    struct Place {
+        Vec3 tip = Vec3::Zero();
+        Answer answer; ///< at `tip`; `hindrance` says what keeps the finger from the wanted place
+    };
+    [[nodiscard]] Place towards(
+        const Vec3& allowed, const Vec3& wanted, double tip_radius_mm, std::size_t gate) const noexcept;
+
+    /// A place outside, over the middle of the opening.
+    [[nodiscard]] Vec3 outside(double tip_radius_mm) const noexcept;
+    [[nodiscard]] const DistanceGrid& around() const noexcept { return *around_; }
+    [[nodiscard]] const Opening& opening() const noexcept { return opening_; }
+    [[nodiscard]] const StraightRod& finger() const noexcept { return finger_; }
+
+private:
+    /// The first hindrance of the rod from its tip on; nothing: it is free.
+    struct Hindrance {
+        double from_tip_mm = 0.0;
+        Vec3 at = Vec3::Zero();
+    };
+    [[nodiscard]] std::optional<Hindrance> hindrance(
+        const Vec3& tip, double tip_radius_mm, const Vec3& outward, double length_mm) const noexcept;
+
+    std::shared_ptr<const DistanceGrid> around_;
+    Opening opening_;
+    StraightRod finger_;
+    std::vector<Vec3> gates_; ///< in the opening, the middle one first
+};
+
+/// The distances from everything round an opening and a structure that is touched through it, for rods up to a
+/// thickness. Steps are 1.5 mm, or larger where there would be more than four million points.
+/// @param around everything that a rod cannot pass
+/// @param structure places of the structure, n x 3
+/// @throws InputError as DistanceGrid; SolverError "cancelled" with a cancelled job
+std::shared_ptr<const DistanceGrid> make_surroundings(const std::vector<mesh::NamedSurface>& around,
+    const Opening& opening, const Points& structure, double thickest_mm, const Job& job = {});
+
+} // namespace retractor::haptics

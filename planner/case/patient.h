@@ -53,7 +53,8 @@ public:
     /// @throws InputError as organ() and site_surface() do
     std::shared_ptr<const TriMesh> target(const TargetSpec& target);
 
-    /// Plans with other stiffness than the case's (planner/case/stiffness_factors.h). @pre nothing is planned yet
+    /// Plans with other stiffness than the case's (planner/case/stiffness_factors.h). @pre no plan of this patient is
+    /// under way
     void set_stiffness_factors(StiffnessFactors factors) { stiffness_factors_ = std::move(factors); }
     const StiffnessFactors& stiffness_factors() const { return stiffness_factors_; }
 

@@ -57,6 +57,28 @@ namespace {
         return metrics;
     }
 
+    fem::ElasticProblem with_four_nodes(const fem::ElasticProblem& problem)
+    {
+        return problem.mesh.nodes_per_tet == 10 ? fem::without_midpoints(problem) : problem;
+    }
+
+    /// Tests a solution without contact.
+    /// @param corners the problem with four-node elements
+    ContactMetrics test_of(
+        const fem::OpeningResult& opening, const fem::ElasticProblem& corners, const ContactSurfaces& surfaces)
+    {
+        if (!is_usable(opening))
+            return not_tested("the wound did not open as requested");
+        try {
+            Points moved = Points::Zero(corners.mesh.vertices.rows(), 3); // nodes without elements stay
+            const Eigen::Index rows = std::min(moved.rows(), opening.displacement.rows());
+            moved.topRows(rows) = opening.displacement.topRows(rows);
+            return of_test(find_penetration(corners, surfaces, moved));
+        } catch (const Error& error) { // the wound itself is solved
+            return not_tested(error.what());
+        }
+    }
+
     /// Solves the wound first without contact, and with contact where it is needed.
     class AutomaticContact {
     public:
@@ -66,7 +88,7 @@ namespace {
             , open_(open)
             , can_touch_(can_touch)
             , job_(job)
-            , corners_(problem.mesh.nodes_per_tet == 10 ? fem::without_midpoints(problem) : problem)
+            , corners_(with_four_nodes(problem))
         {
         }
 
@@ -107,22 +129,7 @@ namespace {
             };
         }
 
-        /// Tests a solution without contact.
-        void test(const fem::OpeningResult& opening)
-        {
-            if (!is_usable(opening)) {
-                metrics_ = not_tested("the wound did not open as requested");
-                return;
-            }
-            try {
-                Points moved = Points::Zero(corners_.mesh.vertices.rows(), 3); // nodes without elements stay
-                const Eigen::Index rows = std::min(moved.rows(), opening.displacement.rows());
-                moved.topRows(rows) = opening.displacement.topRows(rows);
-                metrics_ = of_test(find_penetration(corners_, surfaces_, moved));
-            } catch (const Error& error) { // the wound itself is solved
-                metrics_ = not_tested(error.what());
-            }
-        }
+        void test(const fem::OpeningResult& opening) { metrics_ = test_of(opening, corners_, surfaces_); }
 
         /// Solves the wound with contact: from the solution without contact, or where this fails, from rest.
         /// @returns nothing, and the reason as `failure`, without an answer
@@ -214,6 +221,22 @@ ContactOpening open_with_contact(const fem::ElasticProblem& problem, ContactMode
         break;
     }
     return { .opened = open({}, nullptr, {}, job) };
+}
+
+std::optional<ContactOpening> open_without_contact_from(const OpenedWall& start, const fem::ElasticProblem& problem,
+    ContactMode mode, const ContactSurfaces& surfaces, const OpenOnce& open, const Job& job)
+{
+    ContactOpening solved { .opened = open({}, &start, {}, job) };
+    if (solved.opened.opening.status == fem::OpeningStatus::cancelled)
+        return solved;
+    if (!is_usable(solved.opened.opening))
+        return std::nullopt;
+    if (mode == ContactMode::never)
+        return solved;
+    solved.contact = test_of(solved.opened.opening, with_four_nodes(problem), surfaces);
+    if (solved.contact->needed.value_or(false))
+        return std::nullopt;
+    return solved;
 }
 
 } // namespace retractor::planner

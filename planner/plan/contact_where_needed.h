@@ -85,4 +85,11 @@ struct ContactOpening {
 ContactOpening open_with_contact(const fem::ElasticProblem& problem, ContactMode mode, const ContactSurfaces& surfaces,
     const OpenOnce& open, bool can_touch, const Job& job);
 
+/// Opens a wound without contact from an opening of the same wall with other tissue.
+/// @returns nothing where this finds no equilibrium, or where surfaces then pass through each other and the mode is not
+/// `never`: open_with_contact() then begins at rest
+/// @throws as `open`
+std::optional<ContactOpening> open_without_contact_from(const OpenedWall& start, const fem::ElasticProblem& problem,
+    ContactMode mode, const ContactSurfaces& surfaces, const OpenOnce& open, const Job& job);
+
 } // namespace retractor::planner

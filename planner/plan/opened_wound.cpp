@@ -477,7 +477,7 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
     opened.hooks = problem.hooks;
     const bool linear = options.elasticity == fem::Elasticity::linear; // one solve, with any start
     const bool all_blades = problem.blades.size() == problem.hooks.size();
-    if (!all_blades || !drives.empty() || near_mm > 0.0)
+    if ((options.contact && !all_blades) || !drives.empty() || near_mm > 0.0)
         start = nullptr;
     if (start != nullptr && !start->ended_by_test) {
         open_from(opened, field, *start, options, job);
@@ -571,8 +571,22 @@ ContactOpening solve_or_hold(PlannedField& field, const std::function<ContactOpe
     return solve();
 }
 
+OpenedWall opened_wall_of(const PlannedField& field, const OpenedWound& wound)
+{
+    OpenedWall opened { .ten_node = wound.ten_node,
+        .coarse = wound.coarse,
+        .hooks = field.problem.hooks,
+        .yielded = field.yielded,
+        .near_tets = field.metrics.solution.near_tets,
+        .opening = field.opening,
+        .retractor = field.retractor };
+    if (!wound.rigid.vertices.empty())
+        opened.opening.displacement = wound.rigid.solved;
+    return opened;
+}
+
 OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planned_case, const mesh::LabelVolume& labels,
-    CutWall cut, const Job& job)
+    CutWall cut, const Job& job, const OpenedWall* start)
 {
     const SolverSettings& choice = planned_case.solution;
     field.problem = { .mesh = field.wall,
@@ -594,17 +608,20 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
         field.problem = with_midpoints(field.problem, elements_at_bone_and_lips(field, planned_case.label_table));
     field.metrics.solution = solution_metrics(field, choice);
     const std::vector<fem::HookDrive> drives = drives_of(field.approach);
-    const OpenOnce open = [&](const std::optional<fem::ContactOptions>& contact, const OpenedWall* start,
+    const OpenOnce open = [&](const std::optional<fem::ContactOptions>& contact, const OpenedWall* from,
                               const StageTest& goes_on, const Job& part) {
         fem::OpeningOptions options = opening_options(choice);
         options.contact = contact;
         const Job named = contact ? as_stage(part, "opening with contact") : part;
-        return open_wall(field, choice.near_mm, drives, std::move(options), named, start, goes_on);
+        return open_wall(field, choice.near_mm, drives, std::move(options), named, from, goes_on);
     };
     ContactSurfaces surfaces;
     if (planned_case.contact != ContactMode::never)
         surfaces = contact_surfaces(planned_case.label_table, field.approach, patient);
-    ContactOpening solved = solve_or_hold(field, [&] {
+    std::optional<ContactOpening> from_start;
+    if (start != nullptr && planned_case.contact != ContactMode::always)
+        from_start = open_without_contact_from(*start, field.problem, planned_case.contact, surfaces, open, job);
+    ContactOpening solved = from_start ? *std::move(from_start) : solve_or_hold(field, [&] {
         return open_with_contact(field.problem, planned_case.contact, surfaces, open, choice.near_mm == 0.0, job);
     });
     OpenedWall& opened = solved.opened;
@@ -638,10 +655,10 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
     return wound;
 }
 
-OpenedWound open_wound(
-    PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut, const Job& job)
+OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut,
+    const Job& job, const OpenedWall* start)
 {
-    return open_wound(field, patient, patient.planned_case(), labels, std::move(cut), job);
+    return open_wound(field, patient, patient.planned_case(), labels, std::move(cut), job, start);
 }
 
 fem::ElasticProblem problem_with_fixed_hooks(const PlannedField& field)

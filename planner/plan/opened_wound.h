@@ -72,8 +72,8 @@ fem::OpeningOptions opening_options(const SolverSettings& choice);
 /// @param near_mm tissue within this distance of the lips is nonlinear, and linear beyond; 0: the same law everywhere
 /// @param drives empty: the hooks have the displacements of field.problem
 /// @param start a solution of the same problem without contact, or one by four-node elements that a test ended, from
-/// which the opening begins; nullptr: it begins at rest. Not used with drives, with near_mm, and where a hook holds
-/// nodes: these may collide on their way
+/// which the opening begins; nullptr: it begins at rest. Not used with drives, with near_mm, and with contact where a
+/// hook holds nodes: these may collide on their way
 /// @param goes_on asked between four-node and ten-node elements, where the opening begins with four-node elements;
 /// empty: the opening goes on
 /// @throws as fem::Opening
@@ -101,12 +101,17 @@ ContactOpening solve_or_hold(PlannedField& field, const std::function<ContactOpe
 /// (contact_where_needed.h). Fills in the field's problem, opening, final hook places,
 /// yielded hooks, status (opening.message gives the reason) and the metrics of pressure, solution and contact.
 /// @throws as open_wall()
-OpenedWound open_wound(
-    PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut, const Job& job);
+/// @param start an opening of the same wall with tissue of other stiffness, from which the search begins where it can;
+/// nullptr: it begins at rest
+OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut,
+    const Job& job, const OpenedWall* start = nullptr);
 
 /// The same for another case of the same patient, with other solver settings.
 OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planned_case, const mesh::LabelVolume& labels,
-    CutWall cut, const Job& job);
+    CutWall cut, const Job& job, const OpenedWall* start = nullptr);
+
+/// The opening of a field, as another opening begins with it.
+OpenedWall opened_wall_of(const PlannedField& field, const OpenedWound& wound);
 
 /// Per hook, whether the hook pushes: the hook holds back a lip that would move farther without it. The force of such a
 /// hook points mostly against the hook's direction and exceeds 0.1 % of the largest hook force.

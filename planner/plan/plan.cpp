@@ -47,6 +47,7 @@
 #include <cmath>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -106,20 +107,25 @@ namespace {
         return true;
     }
 
-    /// The tension of the wall before the cut.
-    WallTension tension_of(const mesh::TetMesh& wall, Patient& patient, const Approach& approach,
-        const fem::Supports& supports, std::vector<VertexId> cut_off)
+    /// The wall before the cut.
+    struct UncutWall {
+        mesh::TetMesh mesh;
+        std::vector<VertexId> held; ///< fixed, or where the wall was cut off from the rest of the body
+    };
+
+    WallTension tension_of(const UncutWall& uncut, Patient& patient, const Approach& approach)
     {
         Vec3 inward = Vec3::Zero();
         for (const Vec3& direction : approach.directions)
             inward += direction;
-        cut_off.insert(cut_off.end(), supports.fixed.begin(), supports.fixed.end());
-        return wall_tension(
-            wall, materials_as_solved(patient), patient.planned_case().label_table, cut_off, -inward.normalized());
+        return wall_tension(uncut.mesh, materials_as_solved(patient), patient.planned_case().label_table, uncut.held,
+            -inward.normalized());
     }
 
-    void release(PlannedField& field, CutWall& cut, const WallTension& tension)
+    /// Loads the wound with the tension that the cut released.
+    void release_tension(PlannedField& field, CutWall& cut, const UncutWall& uncut, Patient& patient)
     {
+        const WallTension tension = tension_of(uncut, patient, field.approach);
         ReleasedTension released = released_tension(field.wall, cut.origin, cut.wound, tension);
         if (tension.without_skin)
             remark(field.message,
@@ -377,8 +383,9 @@ namespace {
         return field.status == PlanStatus::done;
     }
 
-    bool cut_meshed_wall(PlannedField& field, CutWall& cut, const mesh::LabelVolume& labels, Patient& patient,
-        const mesh::MeshSizing& sizing, const Job& job)
+    /// Cuts the wall. The tension that this releases comes afterwards (release_tension()).
+    bool cut_meshed_wall(PlannedField& field, CutWall& cut, UncutWall& uncut, const mesh::LabelVolume& labels,
+        Patient& patient, const mesh::MeshSizing& sizing, const Job& job)
     {
         const StageTimer timer(field.metrics, "cut");
         const Case& planned_case = patient.planned_case();
@@ -390,20 +397,21 @@ namespace {
                 "the region)");
         std::vector<VertexId> cut_off = cut_off_vertices(field.wall, labels);
         field.rim = rim_places(field.wall, cut_off, { mesh::region_line(sizing), sizing.region_mm }, labels.grid);
-        const WallTension tension = tension_of(field.wall, patient, field.approach, supports, std::move(cut_off));
+        uncut = { .mesh = field.wall, .held = std::move(cut_off) };
+        uncut.held.insert(uncut.held.end(), supports.fixed.begin(), supports.fixed.end());
         cut = cut_wall(std::move(field.wall), field.approach, planned_case.label_table, std::move(supports), job);
         if (!take_cut(field, cut))
             return false;
-        release(field, cut, tension);
         check_lips(field, cut.took_lip);
         return true;
     }
 
+    /// @param start as open_wound()
     bool open_cut_wall(PlannedField& field, OpenedWound& wound, CutWall cut, Patient& patient,
-        const mesh::LabelVolume& labels, const Job& job)
+        const mesh::LabelVolume& labels, const OpenedWall* start, const Job& job)
     {
         const StageTimer timer(field.metrics, "open");
-        wound = open_wound(field, patient, labels, std::move(cut), job);
+        wound = open_wound(field, patient, labels, std::move(cut), job, start);
         if (field.status != PlanStatus::done && field.status != PlanStatus::cancelled)
             remark(field.message, field.opening.message);
         return field.status != PlanStatus::cancelled;
@@ -632,11 +640,13 @@ namespace {
         sizing.most_tetrahedra = tetrahedra_limit(memory_bytes, ElementKind::p1);
         const Job named = as_stage(job, "draft of the wall");
         CutWall cut;
+        UncutWall uncut;
         try {
             if (!mesh_wall(field, *labels, sizing, ElementKind::p1, memory_bytes, named)
-                || !cut_meshed_wall(field, cut, *labels, patient, sizing, named))
+                || !cut_meshed_wall(field, cut, uncut, *labels, patient, sizing, named))
                 return { .status = field.status == PlanStatus::cancelled ? Status::cancelled : Status::failure,
                     .message = field.message };
+            release_tension(field, cut, uncut, patient);
             static_cast<void>(open_wound(field, patient, planned_case, *labels, std::move(cut), named));
         } catch (const MemoryRefusal&) {
             return { .status = Status::memory };
@@ -669,6 +679,58 @@ namespace {
             farthest = std::max(farthest, polyline_distance(line, grid.world(index)));
         }
         return std::ceil(farthest);
+    }
+
+    /// The approach with its wall meshed and cut, which does not depend on the stiffness of the tissue.
+    struct CutApproach {
+        PlannedField field; ///< with the wall, not yet opened
+        CutWall cut; ///< without the parts that the field took over
+        UncutWall uncut;
+        mesh::MeshSizing sizing;
+    };
+
+    /// Meshes and cuts the wall of an approach. @returns false, with the field's status set, when the plan ends there
+    bool mesh_and_cut(
+        CutApproach& made, Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks)
+    {
+        const Case& planned_case = patient.planned_case();
+        check_approach(approach);
+        check_plan(planned_case, checks);
+        check_plausible(planned_case, approach);
+        PlannedField& field = made.field;
+        field.approach = approach;
+        const auto labels = patient.labels();
+        field.metrics.implausible = implausible_texts(planned_case, approach, labels->grid);
+        prepare(field.approach, patient);
+        const ElementKind element = planned_case.solution.element;
+        const std::optional<double> memory_bytes = checks.memory_bytes ? checks.memory_bytes : available_memory();
+        made.sizing = mesh_sizing_of(field.approach, planned_case.label_table);
+        made.sizing.most_tetrahedra = tetrahedra_limit(memory_bytes, element);
+        return mesh_wall(field, *labels, made.sizing, element, memory_bytes, job)
+            && cut_meshed_wall(field, made.cut, made.uncut, *labels, patient, made.sizing, job);
+    }
+
+    /// Opens the cut wall and measures the field.
+    /// @param start as open_wound()
+    /// @param wound set to the data of the opening
+    void open_and_measure(CutApproach& made, OpenedWound& wound, Patient& patient, const OpenedWall* start,
+        const Job& job, const PlanChecks& checks)
+    {
+        const Case& planned_case = patient.planned_case();
+        const auto labels = patient.labels();
+        PlannedField& field = made.field;
+        release_tension(field, made.cut, made.uncut, patient);
+        if (!open_cut_wall(field, wound, std::move(made.cut), patient, *labels, start, job)
+            || !expose_target(field, patient, *labels, made.sizing, job)
+            || !estimate(field, wound, patient, checks, job))
+            return;
+        fill_metrics(field, patient);
+        const StageTimer timer(field.metrics, "strain and bones");
+        measure_tissue_strain(field, wound, planned_case.label_table);
+        measure_bones(field, wound, planned_case.solution, planned_case.label_table, patient.frame());
+        if (checks.injury_options)
+            solve_uninjured_opening(
+                field, wound, planned_case.solution, planned_case.label_table, patient.frame(), job);
     }
 
     FoundRegion find_region_of(
@@ -781,83 +843,141 @@ void check_plan(const Case& planned_case, const PlanChecks& checks)
 
 PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks)
 {
-    const Case& planned_case = patient.planned_case();
-    check_approach(approach);
-    check_plan(planned_case, checks);
-    check_plausible(planned_case, approach);
-    PlannedField field;
-    field.approach = approach;
-    const auto labels = patient.labels();
-    field.metrics.implausible = implausible_texts(planned_case, approach, labels->grid);
-    prepare(field.approach, patient);
-    const ElementKind element = planned_case.solution.element;
-    const std::optional<double> memory_bytes = checks.memory_bytes ? checks.memory_bytes : available_memory();
-    mesh::MeshSizing sizing = mesh_sizing_of(field.approach, planned_case.label_table);
-    sizing.most_tetrahedra = tetrahedra_limit(memory_bytes, element);
-    CutWall cut;
+    CutApproach made;
     OpenedWound wound;
-    if (mesh_wall(field, *labels, sizing, element, memory_bytes, job)
-        && cut_meshed_wall(field, cut, *labels, patient, sizing, job)
-        && open_cut_wall(field, wound, std::move(cut), patient, *labels, job)
-        && expose_target(field, patient, *labels, sizing, job) && estimate(field, wound, patient, checks, job)) {
-        fill_metrics(field, patient);
-        const StageTimer timer(field.metrics, "strain and bones");
-        measure_tissue_strain(field, wound, planned_case.label_table);
-        measure_bones(field, wound, planned_case.solution, planned_case.label_table, patient.frame());
-        if (checks.injury_options)
-            solve_uninjured_opening(
-                field, wound, planned_case.solution, planned_case.label_table, patient.frame(), job);
-    }
-    return field;
+    if (mesh_and_cut(made, patient, approach, job, checks))
+        open_and_measure(made, wound, patient, nullptr, job, checks);
+    return std::move(made.field);
 }
+
+void plan_samples(Patient& patient, const Approach& approach, std::span<const StiffnessFactors> samples,
+    const std::function<void(std::size_t, PlanAttempt)>& on_planned, const Job& job, const PlanChecks& checks)
+{
+    patient.set_stiffness_factors({});
+    CutApproach made;
+    if (!mesh_and_cut(made, patient, approach, job, checks)) {
+        for (std::size_t s = 0; s < samples.size(); ++s)
+            on_planned(s, { .field = made.field, .failure = {} });
+        return;
+    }
+    std::optional<OpenedWall> start;
+    {
+        CutApproach own = made;
+        OpenedWound wound;
+        open_and_measure(own, wound, patient, nullptr, job, checks);
+        if (job.cancelled())
+            return;
+        if (is_usable(own.field.opening) && !own.field.contact_was_lost)
+            start = opened_wall_of(own.field, wound);
+        for (std::size_t s = 0; s < samples.size(); ++s)
+            if (samples[s].empty())
+                on_planned(s, { .field = own.field, .failure = {} });
+    }
+    made.field.metrics.seconds.clear(); // mesh and cut were made once
+    for (std::size_t s = 0; s < samples.size() && !job.cancelled(); ++s) {
+        if (samples[s].empty())
+            continue;
+        patient.set_stiffness_factors(samples[s]);
+        PlanAttempt sample;
+        try {
+            CutApproach own = made;
+            OpenedWound wound;
+            open_and_measure(own, wound, patient, start ? &*start : nullptr, job, checks);
+            sample.field = std::move(own.field);
+        } catch (const SolverError& error) {
+            sample.failure = error.what();
+        } catch (const InputError& error) {
+            sample.failure = error.what();
+        }
+        if (!job.cancelled())
+            on_planned(s, std::move(sample));
+    }
+}
+
+namespace {
+
+    /// What came of the approaches of a case, in its order.
+    struct AllPlans {
+        std::vector<PlannedField> fields;
+        std::vector<std::optional<PlannedField>> divided;
+        std::vector<std::exception_ptr> failures;
+    };
+
+    AllPlans plan_approaches(Patient& patient, const Job& job, const PlanChecks& checks, bool stop_at_failure)
+    {
+        const std::vector<Approach>& approaches = patient.planned_case().approaches;
+        const std::size_t workers = std::min<std::size_t>({ 2, approaches.size(),
+            std::max(1U, std::thread::hardware_concurrency()), static_cast<std::size_t>(std::max(1, job.threads)) });
+        PlanChecks shared = checks;
+        if (!shared.memory_bytes && workers > 0)
+            // Measured once: what a plan finds available depends on how far the other has come.
+            if (const std::optional<double> available = available_memory())
+                shared.memory_bytes = *available / static_cast<double>(workers);
+        AllPlans all { .fields = std::vector<PlannedField>(approaches.size()),
+            .divided = std::vector<std::optional<PlannedField>>(approaches.size()),
+            .failures = std::vector<std::exception_ptr>(approaches.size()) };
+        std::atomic<std::size_t> next { 0 };
+        const auto work = [&] {
+            for (std::size_t i = next.fetch_add(1); i < approaches.size(); i = next.fetch_add(1)) {
+                try {
+                    all.fields[i] = plan_as_accurately_as_asked(patient, approaches[i], job, shared);
+                    if (shared.injury_options)
+                        all.divided[i] = plan_with_divided_bone(patient, approaches[i], all.fields[i], job, shared);
+                } catch (const InputError& error) {
+                    all.failures[i] = at_approach(approaches[i], error);
+                } catch (const SolverError& error) {
+                    all.failures[i] = at_approach(approaches[i], error);
+                } catch (...) {
+                    all.failures[i] = std::current_exception();
+                }
+                if (all.failures[i] && stop_at_failure)
+                    next.store(approaches.size());
+            }
+        };
+        {
+            std::vector<std::jthread> threads;
+            for (std::size_t w = 1; w < workers; ++w)
+                threads.emplace_back(work);
+            work();
+        }
+        return all;
+    }
+
+} // namespace
 
 std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const PlanChecks& checks)
 {
-    const std::vector<Approach>& approaches = patient.planned_case().approaches;
-    const std::size_t workers = std::min<std::size_t>({ 2, approaches.size(),
-        std::max(1U, std::thread::hardware_concurrency()), static_cast<std::size_t>(std::max(1, job.threads)) });
-    PlanChecks shared = checks;
-    if (!shared.memory_bytes && workers > 0)
-        // Measured once: what a plan finds available depends on how far the other has come.
-        if (const std::optional<double> available = available_memory())
-            shared.memory_bytes = *available / static_cast<double>(workers);
-    std::vector<PlannedField> fields(approaches.size());
-    std::vector<std::optional<PlannedField>> divided(approaches.size());
-    std::vector<std::exception_ptr> failures(approaches.size());
-    std::atomic<std::size_t> next { 0 };
-    const auto work = [&] {
-        for (std::size_t i = next.fetch_add(1); i < approaches.size(); i = next.fetch_add(1)) {
-            try {
-                fields[i] = plan_as_accurately_as_asked(patient, approaches[i], job, shared);
-                if (checks.injury_options)
-                    divided[i] = plan_with_divided_bone(patient, approaches[i], fields[i], job, shared);
-            } catch (const InputError& error) {
-                failures[i] = at_approach(approaches[i], error);
-            } catch (const SolverError& error) {
-                failures[i] = at_approach(approaches[i], error);
-            } catch (...) {
-                failures[i] = std::current_exception();
-            }
-            if (failures[i])
-                next.store(approaches.size());
-        }
-    };
-    {
-        std::vector<std::jthread> threads;
-        for (std::size_t w = 1; w < workers; ++w)
-            threads.emplace_back(work);
-        work();
-    }
-    for (const std::exception_ptr& failure : failures)
+    AllPlans planned = plan_approaches(patient, job, checks, true);
+    for (const std::exception_ptr& failure : planned.failures)
         if (failure)
             std::rethrow_exception(failure);
     std::vector<PlannedField> all;
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-        all.push_back(std::move(fields[i]));
-        if (divided[i])
-            all.push_back(std::move(*divided[i]));
+    for (std::size_t i = 0; i < planned.fields.size(); ++i) {
+        all.push_back(std::move(planned.fields[i]));
+        if (planned.divided[i])
+            all.push_back(std::move(*planned.divided[i]));
     }
     return all;
+}
+
+std::vector<PlanAttempt> plan_each(Patient& patient, const Job& job, const PlanChecks& checks)
+{
+    PlanChecks own = checks;
+    own.injury_options = false;
+    AllPlans planned = plan_approaches(patient, job, own, false);
+    std::vector<PlanAttempt> attempts(planned.fields.size());
+    for (std::size_t i = 0; i < attempts.size(); ++i) {
+        attempts[i].field = std::move(planned.fields[i]);
+        if (planned.failures[i])
+            try {
+                std::rethrow_exception(planned.failures[i]);
+            } catch (const InputError& error) {
+                attempts[i].failure = error.what();
+            } catch (const SolverError& error) {
+                attempts[i].failure = error.what();
+            }
+    }
+    return attempts;
 }
 
 } // namespace retractor::planner

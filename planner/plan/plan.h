@@ -7,9 +7,14 @@
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
 #include "planner/case/solver_settings.h"
+#include "planner/case/stiffness_factors.h"
 #include "planner/plan/planned_field.h"
 
+#include <cstddef>
+#include <functional>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 namespace retractor::planner {
@@ -47,9 +52,32 @@ void check_plan(const Case& planned_case, const PlanChecks& checks);
 PlannedField plan_approach(
     Patient& patient, const Approach& approach, const Job& job = {}, const PlanChecks& checks = {});
 
+/// One of several plans, of which others may have an answer where this one has none.
+struct PlanAttempt {
+    PlannedField field;
+    std::string failure {}; ///< why there is no field; empty: there is one
+};
+
+/// Plans one approach once for each set of stiffness. The wall is meshed and cut once. It is opened first with the
+/// stiffness of the case, and each sample begins at this opening (open_wound()). A sample therefore
+/// takes a fraction of the time of plan_approach(). Both end within the same residual and balance of the retractor, so
+/// their forces differ by a few percent (docs/method/elasticity.md).
+/// @param samples an empty one is the case as it is
+/// @param on_planned called with the number of each sample as soon as it is planned, not in order
+/// @throws as plan_approach() from the mesh, the cut and the opening with the stiffness of the case
+/// @post a cancelled job ends without the samples that remain; the patient has the stiffness of the last sample
+void plan_samples(Patient& patient, const Approach& approach, std::span<const StiffnessFactors> samples,
+    const std::function<void(std::size_t sample, PlanAttempt planned)>& on_planned, const Job& job = {},
+    const PlanChecks& checks = {});
+
 /// Plans all approaches of the case, two at a time on several cores. The results have the case's order; see
 /// PlanChecks::injury_options for fields that are added.
 /// @throws as plan_approach(), naming the approach
 std::vector<PlannedField> plan_all(Patient& patient, const Job& job = {}, const PlanChecks& checks = {});
+
+/// The same for approaches of which some may be impossible: one attempt for each approach of the case, in its order.
+/// Plans with a divided bone (PlanChecks::injury_options) are not made.
+/// @throws whatever is neither InputError nor SolverError
+std::vector<PlanAttempt> plan_each(Patient& patient, const Job& job = {}, const PlanChecks& checks = {});
 
 } // namespace retractor::planner

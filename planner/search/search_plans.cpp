@@ -77,24 +77,16 @@ namespace {
     /// Plans all approaches. One that cannot be planned does not stop the others: its message tells why.
     std::vector<PlannedField> plans_of(Patient& patient, const Job& job, const PlanChecks& checks)
     {
-        try {
-            return plan_all(patient, job, checks);
-        } catch (const InputError&) { // one of them; the others follow one by one
-        } catch (const SolverError&) {
-        }
+        std::vector<PlanAttempt> attempts = plan_each(patient, job, checks);
         std::vector<PlannedField> fields;
-        for (const Approach& approach : patient.planned_case().approaches) {
-            if (job.cancelled())
-                break;
-            try {
-                fields.push_back(plan_approach(patient, approach, job, checks));
-            } catch (const Error& error) {
-                PlannedField failed;
-                failed.status = PlanStatus::nothing_to_mesh;
-                failed.message = error.what();
-                failed.approach = approach;
-                fields.push_back(std::move(failed));
+        for (std::size_t n = 0; n < attempts.size(); ++n) {
+            if (!attempts[n].failure.empty()) {
+                attempts[n].field = {};
+                attempts[n].field.status = PlanStatus::nothing_to_mesh;
+                attempts[n].field.message = attempts[n].failure;
+                attempts[n].field.approach = patient.planned_case().approaches[n];
             }
+            fields.push_back(std::move(attempts[n].field));
         }
         return fields;
     }

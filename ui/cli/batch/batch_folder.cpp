@@ -54,6 +54,15 @@ std::vector<std::string> inputs_of(const std::vector<BatchJob>& jobs)
     return inputs;
 }
 
+double size_of(const fs::path& folder)
+{
+    double bytes = 0.0;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+        if (entry.is_regular_file())
+            bytes += static_cast<double>(entry.file_size());
+    return bytes;
+}
+
 bool is_end(const JobStatus& status, const std::string& inputs)
 {
     return status.inputs == inputs && status.state != JobStatus::State::running

@@ -26,6 +26,9 @@ private:
 /// What the result of each job depends on. @throws IoError when a case cannot be read
 std::vector<std::string> inputs_of(const std::vector<BatchJob>& jobs);
 
+/// Size of the files in a folder, bytes.
+double size_of(const std::filesystem::path& folder);
+
 /// Whether a status is the end of a job with these inputs: done, or failed in a way that would come again.
 bool is_end(const JobStatus& status, const std::string& inputs);
 

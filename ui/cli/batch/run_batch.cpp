@@ -2,8 +2,8 @@
 
 #include "mesh/base/each_on_threads.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text_format.h"
 #include "ui/cli/batch/batch_folder.h"
+#include "ui/cli/batch/job_failure.h"
 #include "ui/cli/batch/job_status.h"
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/framework/run_program.h"
@@ -24,45 +24,6 @@ namespace retractor::ui::cli {
 namespace {
 
     namespace fs = std::filesystem;
-
-    double size_of(const fs::path& folder)
-    {
-        double bytes = 0.0;
-        for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
-            if (entry.is_regular_file())
-                bytes += static_cast<double>(entry.file_size());
-        return bytes;
-    }
-
-    /// Why a job has no answer, from what the program printed.
-    struct Failure {
-        std::string reason;
-        bool lasting = true; ///< JobStatus::lasting
-    };
-    Failure failure_of(const ProgramRun& run, double limit_s)
-    {
-        constexpr int kBadInput = 2;
-        if (run.timed_out)
-            return { "took longer than " + in_words(limit_s) + " s" };
-        const Json json = Json::parse(run.out, nullptr, false);
-        if (!json.is_object())
-            return { "the program ended without an answer: it crashed, was killed or had no memory", false };
-        if (json.contains("error")) {
-            const std::string where = json.value("where", std::string());
-            return { json["error"].get<std::string>() + (where.empty() ? "" : " (" + where + ")"),
-                run.exit_code == kBadInput };
-        }
-        if (json.contains("refused") && !json["refused"].empty())
-            return { json["refused"][0].value("message", std::string()) };
-        for (const Json& approach : json.value("approaches", Json::array())) {
-            const Json verdict = approach.value("verdict", Json::object());
-            if (verdict.value("light", std::string()) == "unknown")
-                return { verdict["sentences"][0].get<std::string>() };
-            if (approach.contains("second_opinion") && approach["second_opinion"].value("status", "") != "agrees")
-                return { "the second opinion does not agree" };
-        }
-        return { "exit code " + std::to_string(run.exit_code), false };
-    }
 
     /// Runs one job in a folder of its own, which is emptied first. @returns its status; running: it was cancelled
     JobStatus run_job(const BatchJob& job, const std::string& inputs, const fs::path& folder, double limit_s,
@@ -86,8 +47,8 @@ namespace {
         if (run.exit_code == 0 && !numbers_in(folder).is_null()) {
             status.state = JobStatus::State::done;
         } else {
-            const Failure failure
-                = run.exit_code == 0 ? Failure { "the program gave no numbers" } : failure_of(run, limit_s);
+            const JobFailure failure
+                = run.exit_code == 0 ? JobFailure { "the program gave no numbers" } : failure_of(run, limit_s);
             status.state = JobStatus::State::failed;
             status.reason = failure.reason;
             status.lasting = failure.lasting;

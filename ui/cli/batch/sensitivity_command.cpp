@@ -8,6 +8,7 @@
 #include "planner/measures/metric_table.h"
 #include "planner/uncertainty/stiffness_samples.h"
 #include "ui/cli/batch/run_batch.h"
+#include "ui/cli/batch/sample_drafts.h"
 #include "ui/cli/framework/number_range.h"
 #include "ui/cli/framework/open_case.h"
 #include "ui/cli/framework/out_folder.h"
@@ -19,6 +20,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,16 +37,17 @@ namespace {
         unsigned seed = 0;
         bool full = false;
         BatchSettings settings;
+        std::vector<std::size_t> drafts; ///< a process plans only these, and writes no summary
     };
 
     /// Measures of the table in the text; the file has all.
     constexpr std::array kShown { "seen_best_eye", "opening_area_mm2", "opening_width_mm", "hook_force_N" };
 
     /// The jobs, sample by sample; the first is the case as it is.
-    std::vector<BatchJob> jobs_of(const planner::Case& planned_case,
+    std::vector<SampleDraft> plans_of(const planner::Case& planned_case,
         const std::vector<planner::StiffnessFactors>& samples, const SensitivityOptions& options)
     {
-        std::vector<BatchJob> jobs;
+        std::vector<SampleDraft> plans;
         for (std::size_t n = 0; n < samples.size(); ++n)
             for (const planner::Approach& approach : planned_case.approaches) {
                 const std::string variant = n == 0 ? "as_planned" : formatted("sample_%03zu", n);
@@ -57,9 +60,48 @@ namespace {
                     job.options.emplace_back("--draft");
                 if (!samples[n].empty())
                     job.options.insert(job.options.end(), { "--stiffness", planner::stiffness_text(samples[n]) });
-                jobs.push_back(std::move(job));
+                plans.push_back({ .job = std::move(job), .factors = samples[n] });
             }
-        return jobs;
+        return plans;
+    }
+
+    BatchRun run_full(
+        const std::vector<SampleDraft>& plans, const fs::path& folder, const BatchSettings& settings, const Job& job)
+    {
+        std::vector<BatchJob> jobs;
+        for (const SampleDraft& plan : plans)
+            jobs.push_back(plan.job);
+        return run_batch(jobs, folder, settings, job);
+    }
+
+    BatchRun run_drafts(const std::vector<SampleDraft>& plans, const fs::path& folder,
+        const SensitivityOptions& options, const Job& job)
+    {
+        const auto words = [&](std::span<const std::size_t> drafts) {
+            // The program by this name is the one that runs here, also where a new version has taken its place.
+            std::vector<std::string> all { "/proc/self/exe", "--json", "--threads", "1", "sensitivity",
+                fs::absolute(options.case_file).string(), "--out", folder.string(), "--samples",
+                std::to_string(options.samples), "--seed", std::to_string(options.seed), "--drafts" };
+            for (const std::size_t draft : drafts)
+                all.push_back(std::to_string(draft));
+            return all;
+        };
+        return run_sample_drafts(plans, folder, options.settings, words, job);
+    }
+
+    /// What a process does for the command that started it.
+    Outcome plan_chosen_drafts(const std::vector<SampleDraft>& plans, const fs::path& folder,
+        const SensitivityOptions& options, const Job& job)
+    {
+        std::vector<SampleDraft> chosen;
+        for (const std::size_t draft : options.drafts) {
+            if (draft >= plans.size())
+                throw InputError("there is no draft with this number", "--drafts " + std::to_string(draft));
+            chosen.push_back(plans[draft]);
+        }
+        plan_drafts_here(chosen, folder, job);
+        refuse_if_cancelled(job);
+        return {};
     }
 
     std::optional<double> number_in(const Json& numbers, const std::string& key)
@@ -212,7 +254,11 @@ namespace {
         planner::check_stiffness_factors(planned_case, samples.front()); // refuses what no plan would take
         samples.insert(samples.begin(), planner::StiffnessFactors {});
         const fs::path folder = fs::absolute(options.out);
-        const BatchRun run = run_batch(jobs_of(planned_case, samples, options), folder, options.settings, job);
+        const std::vector<SampleDraft> plans = plans_of(planned_case, samples, options);
+        if (!options.drafts.empty())
+            return plan_chosen_drafts(plans, folder, options, job);
+        const BatchRun run
+            = options.full ? run_full(plans, folder, options.settings, job) : run_drafts(plans, folder, options, job);
         Outcome outcome = outcome_of(run, planned_case, options);
         write_file_atomically(folder / "sensitivity.json", outcome.document.dump(2) + "\n");
         write_file_atomically(folder / "sensitivity.csv",
@@ -250,6 +296,7 @@ void add_sensitivity_command(Commands& commands)
     command->add_option("--jobs", options->settings.processes, "Number of plans at a time (default: one per core)")
         ->check(CLI::Range(1, 256));
     command->add_flag("--retry", options->settings.retry, "Also do failed plans again");
+    command->add_option("--drafts", options->drafts)->group({}); // not shown: for the processes of this command
     commands.on(command, [options](const Job& job) { return sensitivity(*options, job); });
 }
 

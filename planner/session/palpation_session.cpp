@@ -179,7 +179,9 @@ void PalpationSession::make_tissue(const PalpationSetup& setup, const Job& job)
         throw InputError("cancelled", scene_.name);
     stop();
     servo_.reset(); // the servo refers to the old tissue
+    hindered_.reset(); // refers to the old tissue
     tissue_ = std::move(made.response);
+    go_through(setup.through);
     notes_ = std::move(made.notes);
     heart_rate_ = scene_.heart_rate_per_min;
     surface_.reset();
@@ -230,11 +232,20 @@ std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
             hands->devices.push_back({ device, haptics::mapping_of(*recorded, device->info().workspace) });
             continue;
         }
-        const datasets::TouchSite site = site_of(scene_, f);
+        Vec3 centre;
+        double covered = kReachShare * diagonal_of(scene_);
+        if (access_ != nullptr) { // from the opening to the first site
+            const haptics::Opening& opening = access_->opening();
+            centre = scene_.sites.empty() ? opening.centre : Vec3(0.5 * (opening.centre + scene_.sites.front().point));
+            covered = std::max(opening.length_mm, 2.0 * (opening.centre - centre).norm()) + 2.0 * kAbove;
+        } else {
+            const datasets::TouchSite site = site_of(scene_, f);
+            centre = site.point + (radius + kAbove) * site.outward;
+        }
         hands->devices.push_back({ device,
-            { .scene_centre = site.point + (radius + kAbove) * site.outward,
+            { .scene_centre = centre,
                 .scene_from_device = setup.towards_viewer,
-                .scale = haptics::scale_to_cover(device->info().workspace, kReachShare * diagonal_of(scene_)) } });
+                .scale = haptics::scale_to_cover(device->info().workspace, covered) } });
     }
     return hands;
 }
@@ -247,7 +258,10 @@ void PalpationSession::start(std::unique_ptr<Hands> hands)
     options.force_gain = setup_.force_gain;
     if (!hands->pushes)
         options.faults.late_s = kLateWithoutForce;
-    servo_ = std::make_unique<haptics::Servo>(hands->devices, *tissue_, options);
+    haptics::TissueResponse* touched = tissue_.get();
+    if (hindered_ != nullptr)
+        touched = hindered_.get();
+    servo_ = std::make_unique<haptics::Servo>(hands->devices, *touched, options);
     hands_ = std::move(hands);
     ticks_.watch(servo_.get());
     ticks_.start_again();
@@ -277,6 +291,8 @@ void PalpationSession::change(const PalpationSetup& setup, const Job& job)
     stop();
     servo_.reset();
     hands_.reset(); // closes devices before the same device is opened again
+    if (setup.through != setup_.through)
+        go_through(setup.through);
     setup_ = setup;
     start_or_give_to_mouse([&] { return open_hands(setup_, tissue_->finger_count()); });
 }
@@ -400,7 +416,7 @@ void PalpationSession::add_strip(const haptics::ServoState& state)
         return;
     StripSample sample { state.time_s, pressure_mmHg(), {} };
     for (std::size_t f = 0; f < state.finger_count; ++f)
-        sample.force[f] = state.contacts[f].force.allFinite() ? state.contacts[f].force.norm() : 0.0;
+        sample.force[f] = state.contacts[f].force.allFinite() ? force_of_tissue(state.contacts[f]) : 0.0;
     strip_.push_back(sample);
     const double oldest = state.time_s - PalpationFrame::kStripSeconds;
     strip_.erase(strip_.begin(),
@@ -431,13 +447,60 @@ void PalpationSession::measure_servo()
     }
 }
 
+/// @pre the servo is stopped
+void PalpationSession::go_through(const std::string& name)
+{
+    hindered_.reset();
+    access_.reset();
+    reached_.reset();
+    reached_share_ = 1.0;
+    if (backend_.ways.empty())
+        return;
+    const auto way = std::ranges::find(backend_.ways, name, &ThroughOpening::name);
+    access_ = (way != backend_.ways.end() ? *way : backend_.ways.front()).access;
+    hindered_ = std::make_unique<haptics::HinderedTissue>(*tissue_, access_);
+}
+
+/// Finds which triangles a finger reaches, with the pad of its tip on their middle.
+void PalpationSession::find_reached()
+{
+    const haptics::FingerAccess& access = *access_;
+    const TriMesh& surface = *surface_;
+    auto reached = std::make_shared<std::vector<std::uint8_t>>(surface.triangles.size(), 0);
+    double area = 0.0, area_reached = 0.0;
+    std::size_t gate = 0;
+    const double radius = fingertip_radius(scene_);
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+        const auto& [a, b, c] = surface.triangles[t];
+        const Vec3 p = surface.vertices.row(a), q = surface.vertices.row(b), r = surface.vertices.row(c);
+        const Vec3 normal = (q - p).cross(r - p);
+        const double twice = normal.norm();
+        area += twice;
+        if (!(twice > 0.0))
+            continue;
+        const haptics::FingerAccess::Answer answer
+            = access.at((p + q + r) / 3.0 + radius / twice * normal, radius, gate);
+        gate = answer.gate; // of a neighbour, usually
+        (*reached)[t] = answer.fits ? 1 : 0;
+        area_reached += answer.fits ? twice : 0.0;
+    }
+    reached_ = std::move(reached);
+    reached_share_ = area > 0.0 ? area_reached / area : 0.0;
+}
+
 void PalpationSession::frame(PalpationFrame& frame)
 {
     tissue_->follow(frame.shown);
     const TriMesh& surface = tissue_->surface();
-    if (surface_ == nullptr || surface_->triangles.size() != surface.triangles.size())
+    if (surface_ == nullptr || surface_->triangles.size() != surface.triangles.size()) {
         surface_ = std::make_shared<TriMesh>(surface);
+        reached_.reset();
+    }
+    if (access_ != nullptr && reached_ == nullptr)
+        find_reached();
     frame.surface = surface_;
+    frame.reached = reached_;
+    frame.reached_share = reached_share_;
     frame.stiffness_pending = false;
     if (const auto* condensed = dynamic_cast<const haptics::CondensedTissue*>(tissue_.get()))
         frame.stiffness_pending = condensed->edit_pending();

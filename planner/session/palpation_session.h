@@ -11,6 +11,7 @@
 #include "haptics/device/tick_thread.h"
 #include "haptics/recording/motion_recording.h"
 #include "haptics/servo/servo.h"
+#include "haptics/surroundings/hindered_tissue.h"
 #include "mesh/base/job.h"
 #include "planner/session/tissue_choice.h"
 
@@ -22,11 +23,18 @@
 
 namespace retractor::planner {
 
+/// What is put through an opening to touch tissue, and where it fits.
+struct ThroughOpening {
+    std::string name; ///< "finger", "instrument"
+    std::shared_ptr<const haptics::FingerAccess> access;
+};
+
 /// The source of tissue.
 struct PalpationBackend {
     std::vector<std::string> models = tissue_models();
     /// @throws InputError naming the reason when a model cannot serve the scene
     std::function<ChosenTissue(const datasets::PalpationScene&, const TissueChoice&, const Job&)> make = make_tissue;
+    std::vector<ThroughOpening> ways {}; ///< empty: nothing is round the tissue
 };
 
 /// Number of fingers of a model, at most kMostFingers.
@@ -43,6 +51,7 @@ struct PalpationSetup {
     std::string model = "fem";
     /// Device of each finger: mouse, simulated, simulated:firm, or a name of DeviceRig. Missing entries are the mouse.
     std::vector<std::string> devices {};
+    std::string through = "finger"; ///< name among PalpationBackend::ways; another name: the first of them
     double force_gain = 1.0; ///< factor on all forces on hands; shown when it is not 1
     double press_mm = 1.5; ///< depth of a press by simulated hands; new spring tissue is calibrated at this depth
     Mat3 towards_viewer = Mat3::Identity(); ///< columns: right, up and out of the picture, for devices on a table
@@ -63,6 +72,12 @@ struct StripSample {
     std::array<double, haptics::kMaxFingers> force {}; ///< force of the tissue on each finger, N
 };
 
+/// The force of the tissue on a finger, N, without what surroundings hold back.
+inline double force_of_tissue(const haptics::FingerContact& contact)
+{
+    return (contact.force - contact.held_back).norm();
+}
+
 /// The constant data of the spheres inside.
 struct SphereSet {
     std::vector<double> radius;
@@ -81,6 +96,10 @@ struct PalpationFrame {
     std::vector<StripSample> strip; ///< last kStripSeconds, oldest first
     bool stiffness_pending = false; ///< an edit has not taken effect yet
     double recorded_s = -1.0; ///< length of the running recording; negative: none
+    /// Through an opening: 1 per triangle of `surface` that a finger reaches, else 0. Null: nothing is round the
+    /// tissue.
+    std::shared_ptr<const std::vector<std::uint8_t>> reached {};
+    double reached_share = 1.0; ///< of the area of `surface`
 
     static constexpr double kStripSeconds = 10.0;
 };
@@ -170,6 +189,8 @@ private:
     [[nodiscard]] double pressure_mmHg();
     void add_strip(const haptics::ServoState& state);
     void measure_servo();
+    void find_reached();
+    void go_through(const std::string& name);
 
     datasets::PalpationScene scene_;
     PalpationSetup setup_;
@@ -177,6 +198,8 @@ private:
     std::vector<haptics::PointerDevice*> pointers_;
 
     std::unique_ptr<haptics::TissueResponse> tissue_;
+    std::shared_ptr<const haptics::FingerAccess> access_; ///< null: nothing is round the tissue
+    std::unique_ptr<haptics::HinderedTissue> hindered_; ///< the tissue through an opening; null: nothing is round it
     std::vector<std::string> notes_;
     double heart_rate_ = 0.0;
     std::unique_ptr<Hands> hands_;
@@ -187,6 +210,8 @@ private:
     double recording_since_ = 0.0;
 
     std::shared_ptr<const TriMesh> surface_;
+    std::shared_ptr<const std::vector<std::uint8_t>> reached_;
+    double reached_share_ = 1.0;
     std::shared_ptr<const SphereSet> spheres_;
     std::vector<StripSample> strip_;
     ServoHealth health_;

@@ -321,6 +321,19 @@ Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& fiel
     return scene;
 }
 
+Scene surgeon_scene_without(
+    planner::Patient& patient, const planner::PlannedField& field, const std::vector<std::string>& labels)
+{
+    Scene scene = surgeon_scene(patient, field);
+    std::erase_if(scene.surfaces, [&](const SurfaceItem& item) {
+        return std::ranges::any_of(labels, [&](const std::string& label) {
+            return item.name == name_in_picture(patient.planned_case(), label)
+                || (item.target && label == field.approach.target.label);
+        });
+    });
+    return scene;
+}
+
 Scene overview_scene(planner::Patient& patient, const planner::PlannedField& field)
 {
     Scene scene = field_scene(patient, field);

@@ -34,6 +34,10 @@ TriMesh remaining_wall_at_rest(planner::Patient& patient, const planner::Planned
 /// The view through the opening from the best place of the eye, for which the share seen is measured.
 Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& field);
 
+/// The same view without labels that are drawn in another way, such as a structure that is palpated through the wound.
+Scene surgeon_scene_without(
+    planner::Patient& patient, const planner::PlannedField& field, const std::vector<std::string>& labels);
+
 /// The camera of a kept view.
 inline Camera camera_of(const planner::NamedView& view)
 {

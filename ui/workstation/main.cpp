@@ -283,6 +283,7 @@ int run_planning(std::optional<planner::Case> planned_case, const Options& optio
     window.on_palpation_scene = [](const std::filesystem::path& file) { new_palpation().open_file(file); };
     window.on_palpable
         = [](planner::Palpable made) { new_palpation().open(std::move(made.scene), {}, std::move(made.notes)); };
+    window.on_palpable_wound = [](ShownWound wound) { new_palpation().open_through(std::move(wound)); };
     if (for_a_person(options)) {
         restore_place(window, "planning", window.size());
         window.remember_cases();

@@ -79,6 +79,9 @@ void MainWindow::make_file_actions(QMenu& menu)
         "Save the plans with numbers and pictures as a page for the browser", [this] { ask_for_report_file(); });
     palpate_ = add_action(menu, "Palpate a structure…", {}, "Palpate a vessel or an organ of this case in a new window",
         [this] { ask_for_structure(); });
+    palpate_through_ = add_action(menu, "Palpate through the wound", QKeySequence("Ctrl+T"),
+        "Touch the target of the planned approach through its opened wound, in a new window",
+        [this] { palpate_through_wound(); });
     menu.addSeparator();
     add_action(menu, "Quit", QKeySequence::Quit, "Close the window", [this] { close(); });
 }

@@ -871,6 +871,30 @@ void MainWindow::palpate(const std::string& structure)
     });
 }
 
+void MainWindow::palpate_through_wound()
+{
+    if (!palpate_through_->isEnabled())
+        return;
+    const planner::Approach approach = model_->approach(*model_->selected());
+    ++reading_;
+    clear_error();
+    show_message("Preparing the target for palpation through the wound …");
+    reading_executor_.post([this, make = backend_.palpate_through, approach](const Job& job) {
+        try {
+            auto made = std::make_shared<ShownWound>(make(approach, job));
+            post_back([this, made] {
+                --reading_;
+                clear_error();
+                show_all();
+                if (on_palpable_wound)
+                    on_palpable_wound(std::move(*made));
+            });
+        } catch (...) {
+            reading_failed(with_controls(current_failure()));
+        }
+    });
+}
+
 void MainWindow::select(const std::string& approach)
 {
     model_->select(approach);
@@ -1131,6 +1155,8 @@ void MainWindow::show_actions()
     report_->setEnabled(model_ && !model_->planned().empty() && backend_.write_report && exports_running_ == 0);
     close_case_->setEnabled(model_ != nullptr);
     palpate_->setEnabled(model_ != nullptr && static_cast<bool>(on_palpable));
+    palpate_through_->setEnabled(
+        any && state->field != nullptr && backend_.palpate_through && static_cast<bool>(on_palpable_wound));
     new_approach_->setEnabled(model_ != nullptr);
     search_->setEnabled(model_ != nullptr && backend_.search != nullptr);
     weights_->setEnabled(model_ != nullptr);

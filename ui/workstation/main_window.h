@@ -88,6 +88,10 @@ public:
 
     /// Makes a label of the open case palpable in the background, then calls on_palpable. @pre a case is open
     void palpate(const std::string& structure);
+    /// Makes the target of the selected, planned approach palpable through its opened wound, in the background, then
+    /// calls on_palpable_wound. @pre a case is open
+    void palpate_through_wound();
+    std::function<void(ShownWound)> on_palpable_wound;
     /// Called with the scene that palpate() or the start page made, and with its notes.
     std::function<void(planner::Palpable)> on_palpable;
 
@@ -350,7 +354,8 @@ private:
     QActionGroup *label_looks_ = nullptr, *presenter_keys_ = nullptr, *maps_ = nullptr, *wall_looks_ = nullptr,
                  *cut_sides_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
-            *palpate_ = nullptr, *movie_ = nullptr, *report_ = nullptr, *keep_view_ = nullptr, *forget_view_ = nullptr;
+            *palpate_ = nullptr, *palpate_through_ = nullptr, *movie_ = nullptr, *report_ = nullptr,
+            *keep_view_ = nullptr, *forget_view_ = nullptr;
     QLabel* message_ = nullptr;
     QProgressBar* progress_ = nullptr;
     QPushButton* cancel_button_ = nullptr;

@@ -35,7 +35,7 @@ namespace palpation_session_test {
 
     class PalpationSessionTest : public testing::Test {
     protected:
-        void open(const PalpationSetup& setup = {})
+        void open(const PalpationSetup& setup = {}, std::vector<ThroughOpening> ways = {})
         {
             for (std::size_t f = 0; f < kMostFingers; ++f) {
                 pointers_.push_back(std::make_unique<haptics::PointerDevice>(
@@ -44,7 +44,9 @@ namespace palpation_session_test {
                 raw_.push_back(pointers_.back().get());
                 pointers_.back()->hop_to(Vec3::Constant(900.0));
             }
-            session_ = std::make_unique<PalpationSession>(tube_scene(), setup, tube_backend(control_), raw_, Job {});
+            PalpationBackend backend = tube_backend(control_);
+            backend.ways = std::move(ways);
+            session_ = std::make_unique<PalpationSession>(tube_scene(), setup, std::move(backend), raw_, Job {});
             session_->frame(frame_);
         }
         /// Frames until it is so.
@@ -103,6 +105,40 @@ namespace palpation_session_test {
         EXPECT_EQ(frame_.strip.back().force[0], force());
         pointers_[0]->hop_to(Vec3::Constant(900.0));
         EXPECT_TRUE(until([&] { return force() == 0.0; }));
+    }
+
+    TEST_F(PalpationSessionTest, ThroughASlitAFingerTouchesWhatItReaches)
+    {
+        open();
+        ASSERT_TRUE(until([&] { return frame_.servo.ticks > 0; }));
+        press(1.0);
+        const double without = settled_force();
+        EXPECT_EQ(frame_.reached, nullptr) << "nothing is round it";
+        session_.reset();
+        pointers_.clear();
+        raw_.clear();
+        open({}, slit_before_tube(20.0));
+        ASSERT_TRUE(until([&] { return frame_.servo.ticks > 0; }));
+        ASSERT_NE(frame_.reached, nullptr);
+        EXPECT_EQ(frame_.reached->size(), frame_.surface->triangles.size());
+        EXPECT_GT(frame_.reached_share, 0.03) << "the near side";
+        EXPECT_LT(frame_.reached_share, 0.5) << "not the far side";
+        press(1.0);
+        constexpr double kBalance = 1e-3; // of the force; the same tissue under the same finger
+        EXPECT_NEAR(settled_force(), without, kBalance * without);
+        EXPECT_FALSE(frame_.servo.contacts[0].stopped);
+        EXPECT_GT(frame_.servo.contacts[0].outward.dot(session_->scene().site("centre").outward), 0.8);
+        // Under the lip, where no straight finger comes to, the hand is held back.
+        const datasets::TouchSite& site = session_->scene().site("centre");
+        pointers_[0]->hop_to(site.point - 20.0 * site.outward + 25.0 * tube_axis());
+        EXPECT_TRUE(until([&] { return frame_.servo.contacts[0].stopped; }));
+        EXPECT_NE(frame_.servo.contacts[0].stopped_by, haptics::DistanceGrid::kNone) << "and by something";
+        const double of_finger = frame_.reached_share;
+        PalpationSetup with_instrument = session_->setup();
+        with_instrument.through = "instrument";
+        session_->change(with_instrument, Job {});
+        session_->frame(frame_);
+        EXPECT_GT(frame_.reached_share, 1.3 * of_finger) << "half as thick, and longer";
     }
 
     TEST_F(PalpationSessionTest, AnEditIsFeltAndResetTakesItBack)

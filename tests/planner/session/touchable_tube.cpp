@@ -5,6 +5,7 @@
 #include "haptics/spheres/sphere_tissue.h"
 #include "mesh/base/error.h"
 #include "mesh/tetrahedra/tet_mesh.h"
+#include "tests/support/test_shapes.h"
 
 #include <limits>
 
@@ -72,6 +73,38 @@ datasets::PalpationScene tube_scene()
     parameters.around = 16;
     parameters.along = 16;
     return datasets::make_aorta_phantom(parameters);
+}
+
+Vec3 tube_axis()
+{
+    const Points p = tube_scene().body.mesh.vertices;
+    Eigen::Index longest = 0;
+    (p.colwise().maxCoeff() - p.colwise().minCoeff()).maxCoeff(&longest);
+    return Vec3::Unit(longest);
+}
+
+std::vector<ThroughOpening> slit_before_tube(double width_mm)
+{
+    constexpr double kBefore = 40.0, kThick = 15.0, kFar = 120.0; // mm
+    const datasets::TouchSite site = tube_scene().site("centre");
+    Mat3 turn; // columns: across the slit, along it, out
+    turn.col(2) = site.outward;
+    turn.col(0) = (tube_axis() - tube_axis().dot(site.outward) * site.outward).normalized();
+    turn.col(1) = turn.col(2).cross(turn.col(0));
+    const Vec3 centre = site.point + kBefore * site.outward;
+    std::vector<mesh::NamedSurface> lips {
+        { "left lip", test_support::box_surface({ -kFar, -kFar, -kThick }, { -0.5 * width_mm, kFar, 0.0 }) },
+        { "right lip", test_support::box_surface({ 0.5 * width_mm, -kFar, -kThick }, { kFar, kFar, 0.0 }) }
+    };
+    for (mesh::NamedSurface& lip : lips)
+        lip.surface.vertices = (lip.surface.vertices * turn.transpose()).rowwise() + centre.transpose();
+    const haptics::Opening opening {
+        .centre = centre, .normal = turn.col(2), .along = turn.col(1), .length_mm = 60.0, .width_mm = width_mm
+    };
+    const haptics::StraightRod finger {}, instrument { .thickness_mm = 8.0, .taper_mm = 0.0, .reach_mm = 300.0 };
+    const auto around = haptics::make_surroundings(lips, opening, tube_scene().body.mesh.vertices, finger.thickness_mm);
+    return { { "finger", std::make_shared<const haptics::FingerAccess>(around, opening, finger) },
+        { "instrument", std::make_shared<const haptics::FingerAccess>(around, opening, instrument) } };
 }
 
 PalpationBackend tube_backend(std::shared_ptr<TubeControl> control)

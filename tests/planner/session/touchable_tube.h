@@ -17,6 +17,14 @@ struct TubeControl {
     std::atomic<bool> sick { false }; ///< answers NaN
 };
 
+/// The direction of the tube, unit.
+Vec3 tube_axis();
+
+/// What reaches through a slit: a finger and an instrument. The slit lies across the tube, in a plate that lies before
+/// the site "centre". Its lips are "left lip" and "right lip", which lies towards tube_axis().
+/// @param width_mm of the slit
+std::vector<ThroughOpening> slit_before_tube(double width_mm);
+
 /// "fem": four-node elements; "spheres": the body filled with some; "springs" are refused.
 PalpationBackend tube_backend(std::shared_ptr<TubeControl> control);
 

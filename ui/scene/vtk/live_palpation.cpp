@@ -18,6 +18,8 @@
 #include <vtkUnsignedCharArray.h>
 
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace retractor::ui {
 
@@ -93,9 +95,69 @@ namespace {
         return actor;
     }
 
+    /// The near side of a translucent rod, so that the fingertip and the tissue behind it stay visible.
+    struct Rods {
+        vtkSmartPointer<vtkPolyData> data = vtkSmartPointer<vtkPolyData>::New();
+        vtkSmartPointer<vtkActor> actor = vtkSmartPointer<vtkActor>::New();
+
+        Rods()
+        {
+            auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
+            mapper->SetInputData(data);
+            mapper->SetColorModeToDirectScalars();
+            actor->SetMapper(mapper);
+            apply_look(*actor, { .finish = Finish::skin }, false);
+            actor->GetProperty()->SetOpacity(kHandOpacity);
+            actor->GetProperty()->SetBackfaceCulling(true);
+            actor->SetVisibility(0);
+        }
+
+        void set(std::span<const ShownRod> rods)
+        {
+            constexpr int kAround = 24;
+            auto points = vtkSmartPointer<vtkPoints>::New();
+            points->SetDataTypeToFloat();
+            auto cells = vtkSmartPointer<vtkCellArray>::New();
+            auto normals = vtkSmartPointer<vtkFloatArray>::New();
+            normals->SetNumberOfComponents(3);
+            auto colors = vtkSmartPointer<vtkUnsignedCharArray>::New();
+            colors->SetNumberOfComponents(3);
+            for (const ShownRod& rod : rods) {
+                const Vec3 u = rod.outward.unitOrthogonal(), v = rod.outward.cross(u);
+                const std::array<std::pair<double, double>, 3> rings { { { 0.0, rod.tip_radius },
+                    { rod.taper, rod.radius }, { rod.length, rod.radius } } };
+                std::array<vtkIdType, kAround> last {};
+                for (std::size_t ring = 0; ring < rings.size(); ++ring) {
+                    std::array<vtkIdType, kAround> here {};
+                    for (int n = 0; n < kAround; ++n) {
+                        const double angle = 2.0 * std::numbers::pi * n / kAround;
+                        const Vec3 out = std::cos(angle) * u + std::sin(angle) * v;
+                        const Vec3 at = rod.tip + rings[ring].first * rod.outward + rings[ring].second * out;
+                        here[static_cast<std::size_t>(n)] = points->InsertNextPoint(at.data());
+                        normals->InsertNextTuple(out.data());
+                        const std::array<unsigned char, 3> color { byte_of(rod.color.r), byte_of(rod.color.g),
+                            byte_of(rod.color.b) };
+                        colors->InsertNextTypedTuple(color.data());
+                    }
+                    for (std::size_t n = 0; ring > 0 && n < kAround; ++n) {
+                        const std::size_t next = (n + 1) % kAround;
+                        cells->InsertNextCell({ last[n], last[next], here[next], here[n] });
+                    }
+                    last = here;
+                }
+            }
+            data->SetPoints(points);
+            data->SetPolys(cells);
+            data->GetPointData()->SetNormals(normals);
+            data->GetPointData()->SetScalars(colors);
+            actor->SetVisibility(rods.empty() ? 0 : 1);
+        }
+    };
+
 } // namespace
 
 struct LivePalpation::State {
+    Rods fingers;
     LiveSurface surface;
     Balls spheres, fingertips;
     std::array<std::vector<vtkSmartPointer<vtkActor>>, kHands> hands;
@@ -151,6 +213,8 @@ void LivePalpation::hide_hand(std::size_t hand)
         actor->SetVisibility(0);
 }
 
+void LivePalpation::set_fingers(std::span<const ShownRod> fingers) { state_->fingers.set(fingers); }
+
 void LivePalpation::set_marks(const std::vector<std::array<Vec3, 2>>& pieces, const Color& color)
 {
     auto points = vtkSmartPointer<vtkPoints>::New();
@@ -176,6 +240,7 @@ std::vector<vtkProp*> LivePalpation::props() const
     for (const auto& hand : state_->hands)
         for (const auto& actor : hand)
             all.push_back(actor);
+    all.push_back(state_->fingers.actor);
     all.push_back(state_->mark_actor);
     return all;
 }

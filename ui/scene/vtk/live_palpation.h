@@ -15,6 +15,13 @@ struct ShownBall {
     Color color {};
 };
 
+/// A round rod that begins at its tip and tapers towards it.
+struct ShownRod {
+    Vec3 tip = Vec3::Zero(), outward = Vec3::UnitZ(); ///< outward: unit
+    double tip_radius = 1.0, radius = 1.0, taper = 1.0, length = 1.0; ///< mm
+    Color color {};
+};
+
 class LivePalpation : public LiveProps {
 public:
     LivePalpation();
@@ -31,6 +38,8 @@ public:
     void set_hand(std::size_t hand, const TriMesh& mesh);
     void place_hand(std::size_t hand, const Mat3& turn, const Vec3& shift);
     void hide_hand(std::size_t hand);
+    /// Straight fingers behind the fingertips; none: nothing is shown.
+    void set_fingers(std::span<const ShownRod> fingers);
     /// Separate pieces of line over everything; none: nothing is shown.
     void set_marks(const std::vector<std::array<Vec3, 2>>& pieces, const Color& color);
 

@@ -4887,5 +4887,57 @@
         <source>Cartilage</source>
         <translation>軟骨</translation>
     </message>
+    <message>
+        <source>Palpate through the wound</source>
+        <translation>創を通して触診</translation>
+    </message>
+    <message>
+        <source>Touch the target of the planned approach through its opened wound, in a new window</source>
+        <translation>計画したアプローチの標的を、開いた創を通して新しいウィンドウで触れる</translation>
+    </message>
+    <message>
+        <source>Preparing the target for palpation through the wound …</source>
+        <translation>創を通した触診のため標的を準備しています…</translation>
+    </message>
+    <message>
+        <source>Retractor - palpation through the wound: %1</source>
+        <translation>Retractor - 創を通した触診：%1</translation>
+    </message>
+    <message>
+        <source>A straight finger of %1 mm reaches %2 % of the surface; what it does not reach is dark.</source>
+        <translation>まっすぐな %1 mm の指は表面の %2 % に届きます。届かない所は暗く示します。</translation>
+    </message>
+    <message>
+        <source>It is too short for this place.</source>
+        <translation>この場所には長さが足りません。</translation>
+    </message>
+    <message>
+        <source>It is stopped by: %1.</source>
+        <translation>止めているもの：%1。</translation>
+    </message>
+    <message>
+        <source>A straight instrument of %1 mm thickness reaches %2 % of the surface; what it does not reach is dark.</source>
+        <translation>まっすぐな太さ %1 mm の器具は表面の %2 % に届きます。届かない所は暗く示します。</translation>
+    </message>
+    <message>
+        <source>Reach in with</source>
+        <translation>創に入れるもの</translation>
+    </message>
+    <message>
+        <source>What is put through the wound: an index finger, or the shaft of an instrument</source>
+        <translation>創に入れるもの：示指または器具のシャフト</translation>
+    </message>
+    <message>
+        <source>an instrument</source>
+        <translation>器具</translation>
+    </message>
+    <message>
+        <source>a finger</source>
+        <translation>指</translation>
+    </message>
+    <message>
+        <source>stopped</source>
+        <translation>停止</translation>
+    </message>
 </context>
 </TS>

@@ -152,6 +152,12 @@ QWidget* PalpationPanel::make_fingers()
             on_depth(mm);
     });
     form->addRow("Press", depth_);
+    through_ = unfocused(new QComboBox);
+    through_->setToolTip("What is put through the wound: an index finger, or the shaft of an instrument");
+    connect(through_, qOverload<int>(&QComboBox::activated), this, [this] { call(on_setup); });
+    through_name_ = new QLabel("Reach in with");
+    form->addRow(through_name_, through_);
+    show_ways({});
     column->addLayout(form);
     auto* buttons = new QHBoxLayout;
     grip_ = unfocused(
@@ -320,9 +326,23 @@ void PalpationPanel::begin(const planner::PalpationSetup& setup, double depth, d
     show_snapshot({}, {});
 }
 
+void PalpationPanel::show_ways(const std::vector<planner::ThroughOpening>& ways)
+{
+    through_->clear();
+    for (const planner::ThroughOpening& way : ways)
+        through_->addItem(translated(way.name == "instrument" ? QString("an instrument") : QString("a finger")),
+            QString::fromStdString(way.name));
+    through_->setCurrentIndex(
+        std::max(through_->findData(QString::fromStdString(known_.through)), ways.empty() ? -1 : 0));
+    through_->setVisible(!ways.empty());
+    through_name_->setVisible(!ways.empty());
+}
+
 planner::PalpationSetup PalpationPanel::setup() const
 {
     planner::PalpationSetup setup = known_;
+    if (through_->count() > 0)
+        setup.through = through_->currentData().toString().toStdString();
     setup.model = model_->currentData().toString().toStdString();
     setup.force_gain = gain_->value();
     setup.press_mm = depth_->value();
@@ -422,13 +442,14 @@ void PalpationPanel::show_frame(const planner::PalpationFrame& frame, std::size_
     const haptics::ServoState& state = frame.servo;
     for (std::size_t f = 0; f < std::min(state.finger_count, planner::kMostFingers); ++f) {
         const haptics::FingerContact& contact = state.contacts[f];
-        const double force = contact.force.allFinite() ? contact.force.norm() : 0.0;
+        const double force = contact.force.allFinite() ? planner::force_of_tissue(contact) : 0.0;
         rows_[f].name->setText(QString("%1%2").arg(f + 1).arg(f == finger_in_hand ? " \u25c2" : ""));
         rows_[f].name->setToolTip(f == finger_in_hand ? translated("Selected finger") : QString());
         rows_[f].force->setText(QString("%1 N").arg(force, 0, 'f', 3));
-        rows_[f].depth->setText(contact.touching ? QString("%1 mm").arg(contact.depth, 0, 'f', 2)
-                : out[f]                         ? QString("above")
-                                                 : QString("away"));
+        rows_[f].depth->setText(contact.stopped && out[f] ? translated(QString("stopped"))
+                : contact.touching                        ? QString("%1 mm").arg(contact.depth, 0, 'f', 2)
+                : out[f]                                  ? QString("above")
+                                                          : QString("away"));
     }
     const planner::ServoHealth& health = frame.health;
     servo_->setText(QString("%1 Hz, %2 of %3 ticks missed\n%4 µs a tick, worst %5 µs%6")

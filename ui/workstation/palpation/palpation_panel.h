@@ -31,6 +31,8 @@ public:
     void show_frame(const planner::PalpationFrame& frame, std::size_t finger_in_hand,
         const std::array<bool, planner::kMostFingers>& out);
     void show_depth(double mm);
+    /// What can be put through the wound; empty: nothing is round the tissue.
+    void show_ways(const std::vector<planner::ThroughOpening>& ways);
 
     [[nodiscard]] planner::PalpationSetup setup() const; ///< the chosen settings
     /// The chosen template, without a place.
@@ -53,6 +55,7 @@ public:
     QDoubleSpinBox& template_modulus() { return *modulus_; }
     QDoubleSpinBox& template_size() { return *size_[0]; }
     QComboBox& model() { return *model_; }
+    QComboBox& through() { return *through_; }
     QComboBox& device(std::size_t finger) { return *rows_[finger].device; }
     QPushButton& rearm_button() { return *rearm_; }
     QPushButton& apply_button() { return *apply_; }
@@ -82,11 +85,11 @@ private:
     void show_organs(const std::vector<std::string>& organs);
 
     std::array<FingerRow, planner::kMostFingers> rows_;
-    QLabel *servo_ = nullptr, *fault_ = nullptr, *notes_ = nullptr, *edit_state_ = nullptr;
+    QLabel *through_name_ = nullptr, *servo_ = nullptr, *fault_ = nullptr, *notes_ = nullptr, *edit_state_ = nullptr;
     QPushButton *rearm_ = nullptr, *place_ = nullptr, *apply_ = nullptr, *record_ = nullptr;
     QDoubleSpinBox *depth_ = nullptr, *heart_rate_ = nullptr, *gain_ = nullptr, *modulus_ = nullptr, *ratio_ = nullptr;
     std::array<QDoubleSpinBox*, 3> size_ {};
-    QComboBox *model_ = nullptr, *shape_ = nullptr, *role_ = nullptr;
+    QComboBox *through_ = nullptr, *model_ = nullptr, *shape_ = nullptr, *role_ = nullptr;
     QCheckBox *spheres_ = nullptr, *hands_ = nullptr, *grip_ = nullptr, *changes_modulus_ = nullptr,
               *changes_ratio_ = nullptr;
     QWidget *template_ = nullptr, *organs_ = nullptr;

@@ -17,6 +17,7 @@ namespace {
 
     /// Number of shades by stiffness. A shade is half an octave, from an eighth to eight times the usual modulus.
     constexpr int kShades = 13, kUsualShade = 6;
+    constexpr double kShownShaftMm = 140.0; ///< a longer shaft would end before the eye
     constexpr Color kStiff { 0.98, 0.90, 0.62 }, kSoft { 0.42, 0.32, 0.62 };
     constexpr Color kMarkColor { 0.35, 0.95, 1.0 };
 
@@ -37,6 +38,15 @@ namespace {
         Look made = look;
         const double share = 0.75 * std::abs(shade - kUsualShade) / kUsualShade;
         made.color = mixed(look.color, shade < kUsualShade ? kSoft : kStiff, share);
+        return made;
+    }
+
+    /// What a finger cannot reach is dark.
+    Look out_of_reach(const Look& look)
+    {
+        constexpr Color kDark { 0.10, 0.12, 0.18 };
+        Look made = look;
+        made.color = mixed(look.color, kDark, 0.72);
         return made;
     }
 
@@ -103,6 +113,10 @@ std::array<Vec3, haptics::kMaxFingers> shown_fingertips(const planner::Palpation
         const haptics::FingerContact& contact = frame.servo.contacts[f];
         const haptics::Fingertip& tip = frame.servo.fingers[f];
         shown[f] = tip.position;
+        if (contact.stopped) { // the hand has gone on, the finger has not
+            shown[f] = contact.stopped_at;
+            continue;
+        }
         if (!contact.touching)
             continue;
         // Where the tissue holds the fingertip, it is shown at the bottom of its dent, not inside.
@@ -144,8 +158,9 @@ void PalpationPicture::show_surface(const planner::PalpationFrame& frame, const 
     RETRACTOR_ASSERT(frame.surface != nullptr);
     const TriMesh& surface = *frame.surface;
     if (surface_ != frame.surface || hidden_ != options.hidden_organs || edits_ != options.edits
-        || spheres_ != options.spheres) {
+        || spheres_ != options.spheres || reached_ != frame.reached) {
         surface_ = frame.surface;
+        reached_ = frame.reached;
         hidden_ = options.hidden_organs;
         edits_ = options.edits;
         spheres_ = options.spheres;
@@ -156,6 +171,10 @@ void PalpationPicture::show_surface(const planner::PalpationFrame& frame, const 
                 topology.looks.push_back(shaded(look_of(name_), shade));
         for (const std::string& organ : organs_)
             topology.looks.push_back(look_of(organ));
+        // Behind these looks stand the same, out of reach.
+        const auto looks = static_cast<int>(topology.looks.size());
+        for (int l = 0; l < looks && reached_ != nullptr; ++l)
+            topology.looks.push_back(out_of_reach(topology.looks[static_cast<std::size_t>(l)]));
         for (std::size_t t = 0; t < surface.triangles.size() && !options.spheres; ++t) {
             const Label label = surface.labels.empty() ? Label { 1 } : surface.labels[t];
             if (!organs_.empty() && hidden_.contains(label))
@@ -164,6 +183,8 @@ void PalpationPicture::show_surface(const planner::PalpationFrame& frame, const 
             topology.look_of.push_back(organs_.empty()
                     ? shade_of(surface, t, options.edits)
                     : std::clamp(static_cast<int>(label) - 1, 0, static_cast<int>(organs_.size()) - 1));
+            if (reached_ != nullptr && t < reached_->size() && (*reached_)[t] == 0)
+                topology.look_of.back() += looks;
         }
         live_.surface().set_topology(topology);
     }
@@ -221,15 +242,27 @@ void PalpationPicture::show(const planner::PalpationFrame& frame, const Palpatio
     const std::array<Vec3, haptics::kMaxFingers> at = shown_fingertips(frame);
     std::vector<ShownBall> tips;
     std::vector<haptics::ShownFinger> fingers;
+    std::vector<ShownRod> rods;
     for (std::size_t f = 0; f < std::min(frame.servo.finger_count, planner::kMostFingers); ++f) {
         if (!options.fingers[f])
             continue;
         tips.push_back({ at[f], frame.servo.fingers[f].radius, color_of(f) });
         const haptics::FingerContact& contact = frame.servo.contacts[f];
+        if (const double radius = frame.servo.fingers[f].radius; options.through_opening && !contact.outward.isZero()) {
+            const haptics::StraightRod& finger = *options.through_opening;
+            rods.push_back({ .tip = at[f],
+                .outward = contact.outward,
+                .tip_radius = radius,
+                .radius = std::max(0.5 * finger.thickness_mm, radius),
+                .taper = finger.taper_mm,
+                .length = std::min(finger.reach_mm, kShownShaftMm),
+                .color = mixed(color_of(f), { 0.92, 0.88, 0.82 }, 0.6) });
+        }
         fingers.push_back(
             { at[f], frame.servo.fingers[f].radius, contact.touching ? contact.normal : Vec3(-options.sight) });
     }
     live_.set_fingertips(tips);
+    live_.set_fingers(rods);
     show_hands(options, fingers);
     live_.set_marks(
         options.mark ? planner::outline_of(*options.mark) : std::vector<std::array<Vec3, 2>> {}, kMarkColor);

@@ -2,6 +2,7 @@
 // Draws a frame of a palpation.
 
 #include "haptics/hand/hand_model.h"
+#include "haptics/surroundings/finger_access.h"
 #include "planner/session/palpation_session.h"
 #include "ui/scene/vtk/live_palpation.h"
 
@@ -21,6 +22,8 @@ struct PalpationViewOptions {
     std::vector<haptics::ElasticTemplate> edits {}; ///< edits in force, in order
     std::optional<haptics::ElasticTemplate> mark; ///< edit that is being placed
     Vec3 sight = -Vec3::UnitZ(), up = Vec3::UnitY(); ///< directions of the camera; hands reach in from below
+    /// The finger that is put through an opening; not set: nothing is round the tissue.
+    std::optional<haptics::StraightRod> through_opening {};
 };
 
 /// The whole tissue with its named sites, seen at an angle from the side to which the sites face.
@@ -58,6 +61,7 @@ private:
 
     // The data from which the surface was made.
     std::shared_ptr<const TriMesh> surface_;
+    std::shared_ptr<const std::vector<std::uint8_t>> reached_;
     std::set<Label> hidden_;
     std::vector<haptics::ElasticTemplate> edits_;
     bool spheres_ = false;

@@ -2,6 +2,7 @@
 
 #include "datasets/phantoms/palpation_scene_file.h"
 #include "haptics/hand/hand_file.h"
+#include "mesh/base/text_format.h"
 #include "ui/workstation/language/language.h"
 #include "ui/workstation/planning/session_model.h"
 #include "ui/workstation/view/png_file.h"
@@ -18,6 +19,7 @@
 #include <QStatusBar>
 #include <QVBoxLayout>
 
+#include <algorithm>
 #include <utility>
 
 namespace retractor::ui {
@@ -26,6 +28,7 @@ namespace {
 
     constexpr int kPollMs = 30; ///< without a graphics card a picture takes a large part of this time
     constexpr double kPressShare = 0.375; ///< initial depth of a press, as a share of the fingertip's radius
+    constexpr std::size_t kWoundTriangles = 4 * PictureView::kCoarseTriangles;
     constexpr const char* kHint
         = "Left button: press the fingertip in   \u00b7   drag: slide along   \u00b7   wheel while pressing: press "
           "deeper or less   \u00b7   keys 1, 2, \u2026: select another finger, this finger stays   \u00b7   Esc: lift "
@@ -75,6 +78,12 @@ void PalpationWindow::make_panes()
     picture_column->setContentsMargins(0, 0, 0, 0);
     picture_column->setSpacing(0);
     picture_column->addWidget(view_, 1);
+    reach_ = new QLabel;
+    reach_->setAlignment(Qt::AlignCenter);
+    reach_->setStyleSheet("background: #1c2733; color: #f0f4f7; padding: 6px; font-weight: bold;");
+    reach_->setWordWrap(true);
+    reach_->hide();
+    picture_column->addWidget(reach_);
     picture_column->addWidget(hint_);
     middle->addWidget(picture);
     middle->addWidget(chart_);
@@ -190,6 +199,22 @@ void PalpationWindow::make_actions()
 void PalpationWindow::open(
     datasets::PalpationScene scene, const planner::PalpationSetup& setup, std::vector<std::string> notes)
 {
+    scene_ = std::move(scene);
+    scene_notes_ = std::move(notes);
+    wound_.reset();
+    begin(setup);
+}
+
+void PalpationWindow::open_through(ShownWound wound, const planner::PalpationSetup& setup)
+{
+    scene_ = std::move(wound.palpable.scene);
+    scene_notes_ = std::move(wound.palpable.notes);
+    wound_ = std::move(wound);
+    begin(setup);
+}
+
+void PalpationWindow::begin(const planner::PalpationSetup& setup)
+{
     tool_->touch(nullptr, 0, 1.0);
     view_->set_live(nullptr);
     picture_.reset();
@@ -200,13 +225,19 @@ void PalpationWindow::open(
     answers_ = 0;
     mark_.reset();
     grips_ = {};
-    scene_ = std::move(scene);
-    scene_notes_ = std::move(notes);
+    reach_said_.clear();
+    reach_->clear();
+    reach_->setVisible(wound_.has_value());
     say({}, false);
     const double radius = planner::fingertip_radius(scene_);
     panel_->begin(setup, kPressShare * radius, 3.0 * radius);
-    setWindowTitle(translated("Retractor - palpation of " + scene_.name));
-    worker_ = std::make_unique<planner::PalpationWorker>(scene_, setup, backend_);
+    setWindowTitle(translated(wound_ ? "Retractor - palpation through the wound: " + scene_.name
+                                     : "Retractor - palpation of " + scene_.name));
+    planner::PalpationBackend backend = backend_;
+    if (wound_)
+        backend.ways = wound_->ways;
+    panel_->show_ways(backend.ways);
+    worker_ = std::make_unique<planner::PalpationWorker>(scene_, setup, std::move(backend));
     show_scene();
     view_->show_note("Preparing the tissue …");
     poll_timer_.start();
@@ -227,7 +258,9 @@ void PalpationWindow::open_file(const std::filesystem::path& path)
 void PalpationWindow::show_scene()
 {
     try {
-        view_->show_scenes({ palpation_scene(scene_, {}) });
+        // Behind moving tissue no full picture follows.
+        view_->set_coarse_triangles(wound_ ? kWoundTriangles : PictureView::kCoarseTriangles);
+        view_->show_scenes({ wound_ ? wound_->scene : palpation_scene(scene_, {}) });
     } catch (...) {
         say(to_string(with_controls(current_failure())), true);
     }
@@ -325,6 +358,8 @@ PalpationViewOptions PalpationWindow::view_options() const
         const bool mouse = f >= snapshot_->setup.devices.size() || snapshot_->setup.devices[f] == "mouse";
         options.fingers[f] = !mouse || tool_->is_out(f);
     }
+    if (const haptics::FingerAccess* access = access_in_hand())
+        options.through_opening = access->finger();
     if (view_->is_drawn()) {
         const Camera camera = view_->camera();
         options.sight = (camera.aim - camera.eye).normalized();
@@ -355,6 +390,40 @@ void PalpationWindow::draw()
     chart_->show_samples(
         frame_->strip, frame_->servo.finger_count, snapshot_->abilities.pulse, snapshot_->setup.force_gain);
     panel_->show_frame(*frame_, tool_->finger(), shown.fingers);
+    show_reach();
+}
+
+QString PalpationWindow::reach_text() const { return reach_->isHidden() ? QString() : reach_->text(); }
+
+const haptics::FingerAccess* PalpationWindow::access_in_hand() const
+{
+    if (!wound_ || wound_->ways.empty())
+        return nullptr;
+    const auto way = std::ranges::find(wound_->ways, snapshot_->setup.through, &planner::ThroughOpening::name);
+    return (way != wound_->ways.end() ? *way : wound_->ways.front()).access.get();
+}
+
+void PalpationWindow::show_reach()
+{
+    const haptics::FingerAccess* access = access_in_hand();
+    if (access == nullptr || frame_->reached == nullptr)
+        return;
+    const bool is_finger = snapshot_->setup.through != "instrument";
+    QString text = translated(formatted(is_finger
+            ? "A straight finger of %.0f mm reaches %.0f %% of the surface; what it does not reach is dark."
+            : "A straight instrument of %.0f mm thickness reaches %.0f %% of the surface; what it does not reach is "
+              "dark.",
+        is_finger ? access->finger().reach_mm : access->finger().thickness_mm, 100.0 * frame_->reached_share));
+    const haptics::FingerContact& contact = frame_->servo.contacts[tool_->finger()];
+    if (tool_->is_out(tool_->finger()) && contact.stopped) {
+        const auto& names = access->around().names();
+        if (contact.stopped_by == haptics::FingerAccess::kTooFar)
+            text += " " + translated("It is too short for this place.");
+        else if (contact.stopped_by >= 0 && static_cast<std::size_t>(contact.stopped_by) < names.size())
+            text += " " + translated("It is stopped by: " + names[static_cast<std::size_t>(contact.stopped_by)] + ".");
+    }
+    if (std::exchange(reach_said_, text) != text)
+        reach_->setText(text);
 }
 
 void PalpationWindow::take_finger(std::size_t finger) { tool_->take_finger(finger); }

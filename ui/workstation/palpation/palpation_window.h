@@ -5,6 +5,7 @@
 #include "planner/session/palpation_worker.h"
 #include "ui/workstation/palpation/palpation_panel.h"
 #include "ui/workstation/palpation/palpation_picture.h"
+#include "ui/workstation/palpation/shown_wound.h"
 #include "ui/workstation/palpation/strip_chart.h"
 #include "ui/workstation/palpation/touch_tool.h"
 
@@ -30,6 +31,8 @@ public:
     /// Replaces the palpated tissue. @param notes notes about the scene, shown beside the notes about its tissue
     void open(
         datasets::PalpationScene scene, const planner::PalpationSetup& setup = {}, std::vector<std::string> notes = {});
+    /// Replaces the palpated tissue by one that is touched through the wound round it.
+    void open_through(ShownWound wound, const planner::PalpationSetup& setup = {});
     /// Opens a scene. When the file has an error, the window shows the error and the present palpation goes on.
     void open_file(const std::filesystem::path& path);
 
@@ -57,6 +60,8 @@ public:
     const planner::PalpationSnapshot& snapshot() const { return *snapshot_; }
     /// The newest drawn frame. @pre snapshot().phase is ready
     const planner::PalpationFrame& frame() const { return *frame_; }
+    /// What the finger reaches through a wound, and what stops it; empty: nothing is round the tissue.
+    QString reach_text() const;
     /// The error in the status line; empty: none.
     std::string error_line() const { return error_; }
 
@@ -68,7 +73,11 @@ private:
     void poll();
     void take_snapshot();
     void draw();
+    void begin(const planner::PalpationSetup& setup);
     void show_scene();
+    void show_reach();
+    /// What is put through the wound; null: nothing is round the tissue.
+    const haptics::FingerAccess* access_in_hand() const;
     PalpationViewOptions view_options() const;
     void ask_for_scene();
     void ask_for_hand();
@@ -84,6 +93,8 @@ private:
     const planner::PalpationFrame* frame_ = nullptr; ///< the newest frame of the worker
     std::unique_ptr<PalpationPicture> picture_;
     std::optional<ShownHands> hands_; ///< hands read from a file
+    std::optional<ShownWound> wound_; ///< without its tissue, which is scene_; nothing: nothing is round the tissue
+    QString reach_said_; ///< by show_reach(), the last time
     std::shared_ptr<const TriMesh> surface_;
     std::size_t answers_ = 0;
     std::optional<haptics::ElasticTemplate> mark_;
@@ -93,7 +104,7 @@ private:
     PictureView* view_ = nullptr;
     StripChart* chart_ = nullptr;
     PalpationPanel* panel_ = nullptr;
-    QLabel *hint_ = nullptr, *message_ = nullptr;
+    QLabel *hint_ = nullptr, *reach_ = nullptr, *message_ = nullptr;
     std::unique_ptr<TouchTool> tool_;
     QTimer poll_timer_;
 };

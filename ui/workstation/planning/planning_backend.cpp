@@ -12,6 +12,8 @@
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
 #include "planner/measures/comparison.h"
+#include "planner/measures/sight/instruments.h"
+#include "planner/palpation/through_wound.h"
 #include "planner/plan/plan.h"
 #include "planner/plan/saved/saved_plan.h"
 #include "planner/session/saved_cuts.h"
@@ -201,6 +203,28 @@ namespace {
         return found;
     }
 
+    ShownWound wound_to_palpate(planner::Patient& patient, const planner::PlannedField& field, const Job& job)
+    {
+        planner::PalpableThroughWound made
+            = planner::make_palpable_through(field, patient, planner::palpated_structure(field.approach, patient), job);
+        const haptics::Opening opening { .centre = field.geometry.centre,
+            .normal = field.geometry.normal,
+            .along = field.geometry.along,
+            .length_mm = field.geometry.length_mm,
+            .width_mm = field.geometry.width_mm };
+        const haptics::StraightRod finger { .thickness_mm = planner::kFingerMm, .reach_mm = planner::kFingerReachMm },
+            instrument { .thickness_mm = planner::kShaftMm, .taper_mm = 0.0, .reach_mm = planner::kShaftLengthMm };
+        const auto around = haptics::make_surroundings(
+            made.around, opening, made.palpable.scene.body.mesh.vertices, planner::kFingerMm, job);
+        ShownWound wound { .palpable = std::move(made.palpable),
+            .scene = surgeon_scene_without(patient, field, made.structure),
+            .ways = { { "finger", std::make_shared<const haptics::FingerAccess>(around, opening, finger) },
+                { "instrument", std::make_shared<const haptics::FingerAccess>(around, opening, instrument) } } };
+        wound.scene.title = planner::spoken_name(field.approach) + ": palpation through the wound";
+        wound.scene.legend.clear(); // numbers of the plan
+        return wound;
+    }
+
     /// Finds the skin under a pointer. Made once for all pictures of a patient.
     class SkinPointer {
     public:
@@ -318,6 +342,12 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
               std::vector<planner::PlannedField> fields = saved_fields(*patient, shown);
               return write_report_page(file, *patient, fields, { .views = shown.planned_case.views }, job);
           };
+    backend.palpate_through = [patient](const planner::Approach& approach, const Job& job) {
+        const auto saved = planner::read_saved_plan(case_with(*patient, approach), approach.name);
+        if (!saved)
+            throw InputError("its plan is not saved beside the case: plan it again", "approach " + approach.name);
+        return wound_to_palpate(*patient, saved->field, job);
+    };
     return backend;
 }
 

@@ -8,6 +8,7 @@
 #include "planner/search/search_plans.h"
 #include "planner/session/surgery_session.h"
 #include "ui/scene/vtk/render.h"
+#include "ui/workstation/palpation/shown_wound.h"
 #include "ui/workstation/planning/session_model.h"
 
 #include <filesystem>
@@ -80,6 +81,9 @@ struct PlanningBackend {
     /// Writes the report page of the plans, see write_report_page(). @return false: cancelled
     /// @throws InputError also where a plan is not kept beside the case
     std::function<bool(const Shown&, const std::filesystem::path& file, const Job&)> write_report {};
+    /// The structure at the approach's target, to be palpated through the opened wound of its plan.
+    /// @throws InputError also where the plan is not kept beside the case
+    std::function<ShownWound(const planner::Approach&, const Job&)> palpate_through {};
     /// The labels of the case, to be corrected. Not set: there is no CT on which they could be.
     std::function<std::shared_ptr<const mesh::LabelVolume>()> labels {};
     /// The wall round the approach's incision, uncut, for the knife. The function throws when there is no wall.

@@ -44,17 +44,6 @@ namespace {
     /// Changes within this time are drawn in one picture.
     constexpr int kFrameMs = 12;
     constexpr double kNotch = 120.0; ///< Qt's angle of one notch of a mouse wheel
-    /// Of the coarse scenes together. Software drawing on two cores shows about 20 such pictures a second; most of the
-    /// time then goes into pixels.
-    constexpr std::size_t kCoarseTriangles = 30000;
-
-    /// The triangles of each of several scenes. A picture of slices is drawn again, scene in space included, for every
-    /// step of a slice.
-    std::size_t coarse_share(const std::vector<Scene>& scenes)
-    {
-        return scenes.size() > 1 ? kCoarseTriangles / 2 : kCoarseTriangles;
-    }
-
     /// Samples slices about once for two pixels of a view of this height.
     void sample_at_pixels(Scene& scene, double height_px)
     {
@@ -142,6 +131,13 @@ PictureView::~PictureView()
     drawn_->backdrop->ReleaseGraphicsResources(drawn_->window);
 }
 
+/// The triangles of each of several scenes. A picture of slices is drawn again, scene in space included, for every step
+/// of a slice.
+std::size_t PictureView::coarse_share(std::size_t scenes) const
+{
+    return scenes > 1 ? coarse_triangles_ / 2 : coarse_triangles_;
+}
+
 void PictureView::show_scenes(std::vector<Scene> scenes)
 {
     for (Scene& scene : scenes) {
@@ -150,7 +146,7 @@ void PictureView::show_scenes(std::vector<Scene> scenes)
     }
     coarse_scenes_.clear();
     for (const Scene& scene : scenes)
-        coarse_scenes_.push_back(moving_scene(scene, coarse_share(scenes)));
+        coarse_scenes_.push_back(moving_scene(scene, coarse_share(scenes.size())));
     scenes_ = std::make_shared<const std::vector<Scene>>(std::move(scenes));
     full_error_.clear(); // other scenes may be drawn in the background again
     pointing_.reset();
@@ -179,7 +175,7 @@ void PictureView::replace_scene(std::size_t index, Scene scene)
     }
     auto scenes = std::make_shared<std::vector<Scene>>(*scenes_);
     scenes->at(index) = scene;
-    coarse_scenes_.at(index) = moving_scene(std::move(scene), coarse_share(*scenes));
+    coarse_scenes_.at(index) = moving_scene(std::move(scene), coarse_share(scenes->size()));
     scenes_ = std::move(scenes);
     if (is_drawn()) {
         Scene shown = draws_whole_scenes() ? scenes_->at(index) : coarse_scenes_.at(index);

@@ -72,6 +72,11 @@ public:
     /// cameras, but slices are fitted into their rectangles. No scene: the view is empty.
     /// @throws InputError as check_scene() does; the view then keeps its scenes
     void show_scenes(std::vector<Scene> scenes);
+    /// The triangles of the pictures that follow a motion, of all scenes together. With the default software drawing on
+    /// two cores shows about 20 such pictures a second; most of the time then goes into pixels.
+    static constexpr std::size_t kCoarseTriangles = 30000;
+    /// @pre called before show_scenes()
+    void set_coarse_triangles(std::size_t triangles) { coarse_triangles_ = triangles; }
     const std::vector<Scene>& scenes() const { return *scenes_; }
     /// How several scenes share the view; scenes in space keep their cameras.
     void set_layout(SceneLayout layout);
@@ -210,6 +215,8 @@ private:
 
     VtkErrorTrap errors_;
     std::shared_ptr<const std::vector<Scene>> scenes_ = std::make_shared<const std::vector<Scene>>();
+    std::size_t coarse_share(std::size_t scenes) const;
+    std::size_t coarse_triangles_ = kCoarseTriangles;
     std::vector<Scene> coarse_scenes_;
     struct Drawn;
     std::unique_ptr<Drawn> drawn_;

@@ -108,6 +108,40 @@ namespace palpation_window_test {
         std::unique_ptr<PalpationWindow> window_;
     };
 
+    TEST_F(PalpationWindowTest, ThroughAWoundItSaysWhatAFingerReachesAndWhatStopsIt)
+    {
+        open();
+        EXPECT_TRUE(window_->reach_text().isEmpty()) << "nothing is round the tissue";
+        ShownWound wound { .palpable = { planner::tube_scene(), {} },
+            .scene = palpation_scene(planner::tube_scene(), {}),
+            .ways = planner::slit_before_tube(20.0) };
+        window_->open_through(std::move(wound));
+        test_support::wait_until_idle(*window_);
+        ASSERT_TRUE(until([&] { return window_->reach_text().contains("% of the surface"); }));
+        EXPECT_TRUE(window_->windowTitle().contains("through the wound"));
+        window_->view().picture();
+        move(site());
+        down(site());
+        EXPECT_GT(settled_force(), kPressedN) << "through the slit";
+        EXPECT_FALSE(window_->reach_text().contains("stopped")) << window_->reach_text().toStdString();
+        const QImage with_finger = window_->view().picture();
+        with_finger.save(QString::fromStdString((picture_folder() / "palpation_wound.png").string()));
+        up(site());
+        // Along the tube, under the lip: the finger stays behind the hand.
+        move(site(22.0 * planner::tube_axis()));
+        EXPECT_TRUE(until([&] { return window_->reach_text().contains("stopped by: "); }))
+            << window_->reach_text().toStdString();
+        QComboBox& through = window_->panel().through();
+        ASSERT_EQ(through.count(), 2);
+        through.setCurrentIndex(1);
+        emit through.activated(1);
+        EXPECT_TRUE(until([&] { return window_->reach_text().startsWith("A straight instrument of 8 mm"); }))
+            << window_->reach_text().toStdString();
+        window_->open(planner::tube_scene());
+        test_support::wait_until_idle(*window_);
+        EXPECT_TRUE(window_->reach_text().isEmpty()) << "the plain palpation is as before";
+    }
+
     TEST_F(PalpationWindowTest, AMousePressIsAForceAndADentInTheDrawnTissue)
     {
         open();

@@ -1,6 +1,7 @@
 // What the main window saves as files of its own: pictures, movies, the report, the cut wall and the log.
 
 #include "ui/workstation/language/language.h"
+#include "ui/workstation/language/translated_page.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/picture_view.h"
@@ -147,8 +148,14 @@ void MainWindow::ask_for_report_file()
 void MainWindow::save_report(const std::filesystem::path& file)
 {
     run_export(QString::fromStdString(file.string()),
-        [write = backend_.write_report, shown = shown_plans(), file](
-            const Job& job) { return write(shown, file, job); });
+        [write = backend_.write_report, shown = shown_plans(), file, book = language_book(),
+            code = language().toStdString()](const Job& job) {
+            if (!write(shown, file, job))
+                return false;
+            if (book != nullptr)
+                translate_page(file, *book, code);
+            return true;
+        });
 }
 
 } // namespace retractor::ui

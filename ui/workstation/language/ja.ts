@@ -4904,20 +4904,12 @@
         <translation>Retractor - 創を通した触診：%1</translation>
     </message>
     <message>
-        <source>A straight finger of %1 mm reaches %2 % of the surface; what it does not reach is dark.</source>
-        <translation>まっすぐな %1 mm の指は表面の %2 % に届きます。届かない所は暗く示します。</translation>
-    </message>
-    <message>
         <source>It is too short for this place.</source>
         <translation>この場所には長さが足りません。</translation>
     </message>
     <message>
         <source>It is stopped by: %1.</source>
         <translation>止めているもの：%1。</translation>
-    </message>
-    <message>
-        <source>A straight instrument of %1 mm thickness reaches %2 % of the surface; what it does not reach is dark.</source>
-        <translation>まっすぐな太さ %1 mm の器具は表面の %2 % に届きます。届かない所は暗く示します。</translation>
     </message>
     <message>
         <source>Reach in with</source>
@@ -4938,6 +4930,618 @@
     <message>
         <source>stopped</source>
         <translation>停止</translation>
+    </message>
+    <message>
+        <source>A straight %1, %2 mm thick and up to %3 mm long, reaches %4 % of the surface; what it does not reach is dark.</source>
+        <translation>まっすぐな%1（太さ %2 mm、長さ %3 mm まで）は表面の %4 % に届きます。届かない所は暗く示します。</translation>
+    </message>
+    <message>
+        <source>finger</source>
+        <translation>指</translation>
+    </message>
+    <message>
+        <source>instrument</source>
+        <translation>器具</translation>
+    </message>
+    <message>
+        <source>What it should touch lies in its way.</source>
+        <translation>触れるはずの構造自体が途中にあります。</translation>
+    </message>
+    <message>
+        <source>%1: palpation through the wound</source>
+        <translation>%1：創を通した触診</translation>
+    </message>
+    <message>
+        <source>chest wall</source>
+        <translation>胸壁</translation>
+    </message>
+    <message>
+        <source>chest wall beyond the model</source>
+        <translation>モデルの外の胸壁</translation>
+    </message>
+    <message>
+        <source>end of the image</source>
+        <translation>画像の端</translation>
+    </message>
+    <message>
+        <source>its plan is not saved beside the case: plan it again</source>
+        <translation>計画が症例と一緒に保存されていません。もう一度計画してください</translation>
+    </message>
+    <message>
+        <source>the target lies in no organ that can be palpated</source>
+        <translation>標的は触診できる臓器の中にありません</translation>
+    </message>
+    <message>
+        <source>Planned surgical fields</source>
+        <translation>計画した術野</translation>
+    </message>
+    <message>
+        <source>Labels of %1 voxels at %2 mm, patient frame LPS.</source>
+        <translation>ラベル：%1 ボクセル、間隔 %2 mm、患者座標系 LPS。</translation>
+    </message>
+    <message>
+        <source>Research software, not a medical device.</source>
+        <translation>研究用ソフトウェアであり、医療機器ではありません。</translation>
+    </message>
+    <message>
+        <source>... reached by the tissue under them</source>
+        <translation>…その下の組織の動き</translation>
+    </message>
+    <message>
+        <source>Force on a side and its moment</source>
+        <translation>片側の力とその時点</translation>
+    </message>
+    <message>
+        <source>force on a side: %1 N at the last turn, about %2 N after 5 minutes (%3 N between animals); opened by half a turn of the crank (%4 mm) every %5 s, in %6 s</source>
+        <translation>片側の力：最後の一回しで %1 N、5 分後に約 %2 N（動物間で %3 N）。クランク半回転（%4 mm）を %5 秒ごと、%6 秒で開く</translation>
+    </message>
+    <message>
+        <source>Bone in the line of sight</source>
+        <translation>視線上の骨</translation>
+    </message>
+    <message>
+        <source>Nearest structures at risk, from the blade</source>
+        <translation>刃から最も近い危険構造</translation>
+    </message>
+    <message>
+        <source>Nearest structures at risk, from hooks and retractor</source>
+        <translation>鉤・開創器から最も近い危険構造</translation>
+    </message>
+    <message>
+        <source>Hooks bear on</source>
+        <translation>鉤のかかる所</translation>
+    </message>
+    <message>
+        <source>Largest strain of each tissue, over balls of 5 mm radius</source>
+        <translation>各組織の最大ひずみ（半径 5 mm の球で平均）</translation>
+    </message>
+    <message>
+        <source>Caution, tearing</source>
+        <translation>注意：裂傷</translation>
+    </message>
+    <message>
+        <source>Intercostal space divided beyond the skin</source>
+        <translation>皮膚切開を越えて切離した肋間</translation>
+    </message>
+    <message>
+        <source>skin only</source>
+        <translation>皮膚のみ</translation>
+    </message>
+    <message>
+        <source>%1 mm backwards, %2 mm forwards</source>
+        <translation>後方へ %1 mm、前方へ %2 mm</translation>
+    </message>
+    <message>
+        <source>Mechanics</source>
+        <translation>力学計算</translation>
+    </message>
+    <message>
+        <source>converged; inverted %1, largest volume ratio %2</source>
+        <translation>収束、反転した要素 %1、最大の体積比 %2</translation>
+    </message>
+    <message>
+        <source>Solved as</source>
+        <translation>解き方</translation>
+    </message>
+    <message>
+        <source>What the best eye sees is a share of what an eye would see with the wall removed; what the eyes of the cone see is a share of the target's whole area, and so may be smaller.</source>
+        <translation>最良の眼に見える割合は、胸壁を取り除いたときに見えるはずの範囲に対するものです。円錐内の眼に見える割合は標的の全面積に対するもので、より小さくなりえます。</translation>
+    </message>
+    <message>
+        <source>Green: better than every other approach by more than both error bars together.</source>
+        <translation>緑：他のどのアプローチよりも、両方の誤差を合わせた以上に優れています。</translation>
+    </message>
+    <message>
+        <source>Without a mark the lead is within the error, or the error is unknown.</source>
+        <translation>印がなければ差は誤差の範囲内か、誤差が分かりません。</translation>
+    </message>
+    <message>
+        <source>Leads in these shares are compared with this bar or that of the best eye, whichever is larger.</source>
+        <translation>これらの割合の差は、この誤差と最良の眼の誤差の大きい方と比べます。</translation>
+    </message>
+    <message>
+        <source>The score is the weighted mean of the criteria, each 0 to 100 between two fixed values.</source>
+        <translation>評点は各基準（固定した二つの値の間で 0～100）の加重平均です。</translation>
+    </message>
+    <message>
+        <source>Weights and values are a choice, not a finding:</source>
+        <translation>重みと値は選択であり、知見ではありません：</translation>
+    </message>
+    <message>
+        <source>takes others.</source>
+        <translation>で変えられます。</translation>
+    </message>
+    <message>
+        <source>target seen (weight %1)</source>
+        <translation>標的の見え方（重み %1）</translation>
+    </message>
+    <message>
+        <source>reached by instruments (weight %1)</source>
+        <translation>器具の届きやすさ（重み %1）</translation>
+    </message>
+    <message>
+        <source>straight view (weight %1)</source>
+        <translation>まっすぐな視野（重み %1）</translation>
+    </message>
+    <message>
+        <source>short incision (weight %1)</source>
+        <translation>切開の短さ（重み %1）</translation>
+    </message>
+    <message>
+        <source>bone spared (weight %1)</source>
+        <translation>骨の温存（重み %1）</translation>
+    </message>
+    <message>
+        <source>structures far (weight %1)</source>
+        <translation>構造からの距離（重み %1）</translation>
+    </message>
+    <message>
+        <source>low force (weight %1)</source>
+        <translation>力の小ささ（重み %1）</translation>
+    </message>
+    <message>
+        <source>shows (points of its criteria)</source>
+        <translation>見せる力（基準の点）</translation>
+    </message>
+    <message>
+        <source>spares (points of its criteria)</source>
+        <translation>温存する力（基準の点）</translation>
+    </message>
+    <message>
+        <source>The letters are those of the table.</source>
+        <translation>文字は表のものです。</translation>
+    </message>
+    <message>
+        <source>Right: the approach shows more.</source>
+        <translation>右：よりよく見えます。</translation>
+    </message>
+    <message>
+        <source>Up: it spares more (incision, bone, structures at risk, force).</source>
+        <translation>上：より多くを温存します（切開、骨、危険構造、力）。</translation>
+    </message>
+    <message>
+        <source>An open circle: another approach is at least as good by every criterion, and better by one.</source>
+        <translation>白丸：他のアプローチがすべての基準で同等以上、少なくとも一つで優れています。</translation>
+    </message>
+    <message>
+        <source>One space higher or lower</source>
+        <translation>一肋間上または下</translation>
+    </message>
+    <message>
+        <source>Not planned for %1.</source>
+        <translation>%1は計画されていません。</translation>
+    </message>
+    <message>
+        <source>, or B in the window, plans them.</source>
+        <translation>、またはウィンドウの B で計画します。</translation>
+    </message>
+    <message>
+        <source>%1 caution: %2 % of the soft tissue changes its volume by more than a tenth, to between %3 and %4 of its volume at rest, most of all at %5 mm; strain is wrong there.</source>
+        <translation>%1 注意：軟部組織の %2 % で体積が 1 割以上変わり、静止時の %3～%4 倍になります（最大は %5 mm）。そこのひずみは正しくありません。</translation>
+    </message>
+    <message>
+        <source>Full median sternotomy: the midline of the sternum, found in its label, from %1 mm above the notch to %2 mm below the xiphoid, put on the skin square to the bone.</source>
+        <translation>胸骨正中全切開：ラベルから求めた胸骨の正中線を、切痕の %1 mm 上から剣状突起の %2 mm 下まで、骨に垂直に皮膚へ移しました。</translation>
+    </message>
+    <message>
+        <source>The sternum (%1 mm long) is sawn through; ribs and spine are not cut.</source>
+        <translation>胸骨（長さ %1 mm）を鋸断します。肋骨と脊椎は切りません。</translation>
+    </message>
+    <message>
+        <source>The wall along it is %1 mm thick; the blade goes %2 mm deep.</source>
+        <translation>これに沿う胸壁の厚さは %1 mm、刃の深さは %2 mm です。</translation>
+    </message>
+    <message>
+        <source>The best eye sees %1 % of what an eye would see of the %2 with the wall removed.</source>
+        <translation>最良の眼には、胸壁がなければ見える%2の %1 % が見えます。</translation>
+    </message>
+    <message>
+        <source>Of the side of the target that faces this eye, %1 % is seen.</source>
+        <translation>この眼に向いた標的の面の %1 % が見えます。</translation>
+    </message>
+    <message>
+        <source>Of the side of the target that faces the middle of the cone, %1 % is seen.</source>
+        <translation>円錐の中央に向いた標的の面の %1 % が見えます。</translation>
+    </message>
+    <message>
+        <source>The rest is hidden by %1.</source>
+        <translation>残りを隠すもの：%1。</translation>
+    </message>
+    <message>
+        <source>Share of the lines of sight from the cone that meet bone, also behind other tissue: %1.</source>
+        <translation>円錐からの視線のうち骨に当たる割合（他の組織の後ろも含む）：%1。</translation>
+    </message>
+    <message>
+        <source>Part of this bone would have to be pulled further or removed to see more.</source>
+        <translation>さらに見るには、この骨の一部をもっと引くか取り除く必要があります。</translation>
+    </message>
+    <message>
+        <source>The skin opens by %1 mm over an incision of %2 mm, and the target lies %3 mm below it.</source>
+        <translation>皮膚は %2 mm の切開で %1 mm 開き、標的はその %3 mm 下にあります。</translation>
+    </message>
+    <message>
+        <source>The interactive view appears here when it comes into sight; it needs JavaScript.</source>
+        <translation>操作できる 3D 表示は画面に入るとここに現れます（JavaScript が必要です）。</translation>
+    </message>
+    <message>
+        <source>The pictures below show the same field.</source>
+        <translation>下の図は同じ術野です。</translation>
+    </message>
+    <message>
+        <source>The surgeon's eye: through the opened incision, target highlighted.</source>
+        <translation>術者の眼：開いた切開を通して。標的を強調しています。</translation>
+    </message>
+    <message>
+        <source>Overview of the opened patient.</source>
+        <translation>開いた患者の全体像。</translation>
+    </message>
+    <message>
+        <source>Slices through the target, with the incision projected onto them (cyan), and along and across the incision, with the cut to its depth.</source>
+        <translation>標的を通る断面（切開を投影：水色）と、切開に沿う断面・直交する断面（切離の深さまで）。</translation>
+    </message>
+    <message>
+        <source>To check on the skin in the theatre: The incision starts on the midline and ends on the midline.</source>
+        <translation>手術室で皮膚上で確かめること：切開は正中に始まり正中に終わります。</translation>
+    </message>
+    <message>
+        <source>To check on the skin in the theatre: The incision starts %1 mm to the patient's %2 of the midline and ends %3 mm to the patient's %4 of the midline.</source>
+        <translation>手術室で皮膚上で確かめること：切開は正中から患者の%2へ %1 mm に始まり、%4へ %3 mm に終わります。</translation>
+    </message>
+    <message>
+        <source>From the jugular notch %1 mm to its start and %2 mm to its end, in a straight line.</source>
+        <translation>頸切痕から直線で、始点まで %1 mm、終点まで %2 mm。</translation>
+    </message>
+    <message>
+        <source>From the tip of the xiphoid %1 mm to its start and %2 mm to its end, in a straight line.</source>
+        <translation>剣状突起の先端から直線で、始点まで %1 mm、終点まで %2 mm。</translation>
+    </message>
+    <message>
+        <source>The best eye is %1 mm from the opening and meets what it sees at %2 degrees on average; it was searched within %3 degrees of the cone's axis.</source>
+        <translation>最良の眼は開口部から %1 mm で、見える面に平均 %2 度で当たります。円錐の軸から %3 度以内で探しました。</translation>
+    </message>
+    <message>
+        <source>The best eye is %1 mm from the opening; it was searched within %2 degrees of the cone's axis.</source>
+        <translation>最良の眼は開口部から %1 mm です。円錐の軸から %2 度以内で探しました。</translation>
+    </message>
+    <message>
+        <source>The mean and the union are over %1 eyes %2 mm from the target; %3 samples on the target.</source>
+        <translation>平均と合併は標的から %2 mm の %1 個の眼によります。標的上の点は %3 個です。</translation>
+    </message>
+    <message>
+        <source>The CT is taken in inspiration: with the organs 10 mm nearer to the head the best eye sees %1 %, 20 mm %2 %; past a lung of 20 % of its volume %3 %, past a lung of 50 % of its volume %4 %.</source>
+        <translation>CT は吸気位です。臓器が 10 mm 頭側なら最良の眼に %1 %、20 mm なら %2 %。肺が体積の 20 % なら %3 %、50 % なら %4 % が見えます。</translation>
+    </message>
+    <message>
+        <source>The picture from the best eye shows %1 % of the target, counted in pixels; rays give %2 %.</source>
+        <translation>最良の眼からの図では画素で数えて標的の %1 % が見えます。光線では %2 %。</translation>
+    </message>
+    <message>
+        <source>How far each lip hangs behind its blade (mm)</source>
+        <translation>各創縁がブレードから遅れる距離（mm）</translation>
+    </message>
+    <message>
+        <source>%1 mm along the incision</source>
+        <translation>切開に沿って %1 mm</translation>
+    </message>
+    <message>
+        <source>left lip</source>
+        <translation>左の創縁</translation>
+    </message>
+    <message>
+        <source>right lip</source>
+        <translation>右の創縁</translation>
+    </message>
+    <message>
+        <source>No rib reaches the moment at which tested ribs broke.</source>
+        <translation>試験で折れた肋骨のモーメントに達する肋骨はありません。</translation>
+    </message>
+    <message>
+        <source>%1 comes nearest: %2 N m in its %3 part, %4 mm from the spine, which is %5 % of the %6 N m of tested ribs.</source>
+        <translation>最も近いのは%1：%3部、脊椎から %4 mm で %2 N m、試験された肋骨の %6 N m の %5 % です。</translation>
+    </message>
+    <message>
+        <source>lateral</source>
+        <translation>外側</translation>
+    </message>
+    <message>
+        <source>posterior</source>
+        <translation>後方</translation>
+    </message>
+    <message>
+        <source>anterior</source>
+        <translation>前方</translation>
+    </message>
+    <message>
+        <source>The elements of this mesh are too stiff, so these moments are rough.</source>
+        <translation>この格子の要素は硬すぎるので、モーメントはおおよそです。</translation>
+    </message>
+    <message>
+        <source>The joint with the spine that bears most is that of %1, with %2 N and %3 N m.</source>
+        <translation>脊椎との関節で最も負荷が大きいのは%1で、%2 N と %3 N m です。</translation>
+    </message>
+    <message>
+        <source>The rib that turns most about its joints is %1, by %2 degrees.</source>
+        <translation>関節で最も回るのは%1で、%2 度です。</translation>
+    </message>
+    <message>
+        <source>The cartilage that bears most is that of %1, with %2 N and %3 N m.</source>
+        <translation>最も負荷の大きい軟骨は%1のもので、%2 N と %3 N m です。</translation>
+    </message>
+    <message>
+        <source>the sternum</source>
+        <translation>胸骨</translation>
+    </message>
+    <message>
+        <source>There is no published number for what joint and cartilage bear.</source>
+        <translation>関節と軟骨が耐える値は公表されていません。</translation>
+    </message>
+    <message>
+        <source>opening %1 mm +- %2, force %3 N +- %4, seen %5 % +- %6 (discretisation error, estimated in %7 s).</source>
+        <translation>開口 %1 mm ± %2、力 %3 N ± %4、見える割合 %5 % ± %6（離散化誤差、推定 %7 秒）。</translation>
+    </message>
+    <message>
+        <source>Errors of the materials, the supports and the model are not included.</source>
+        <translation>材料、支持、モデルの誤差は含みません。</translation>
+    </message>
+    <message>
+        <source>Force %1 N; mesh: +- %2 N; tissue values: %3 N; decided by %4.</source>
+        <translation>力 %1 N、格子：± %2 N、組織の値：%3 N、主に%4による。</translation>
+    </message>
+    <message>
+        <source>tissue values: force %1 N, opening %2 mm; decided by %3: one standard deviation.</source>
+        <translation>組織の値：力 %1 N、開口 %2 mm、主に%3による（1 標準偏差）。</translation>
+    </message>
+    <message>
+        <source>Force and opening change to first order with the values; the bars of the mesh are no part of it.</source>
+        <translation>力と開口は値に対して一次で変わります。格子の誤差は含みません。</translation>
+    </message>
+    <message>
+        <source>Stiffness</source>
+        <translation>剛性</translation>
+    </message>
+    <message>
+        <source>Planned with</source>
+        <translation>計画での値</translation>
+    </message>
+    <message>
+        <source>Force at the upper end</source>
+        <translation>上端での力</translation>
+    </message>
+    <message>
+        <source>Opening at the upper end</source>
+        <translation>上端での開口</translation>
+    </message>
+    <message>
+        <source>From</source>
+        <translation>出典</translation>
+    </message>
+    <message>
+        <source>Found by</source>
+        <translation>求め方</translation>
+    </message>
+    <message>
+        <source>bed of the shoulder girdle</source>
+        <translation>肩甲帯の床</translation>
+    </message>
+    <message>
+        <source>costovertebral joint</source>
+        <translation>肋椎関節</translation>
+    </message>
+    <message>
+        <source>costal cartilages</source>
+        <translation>肋軟骨</translation>
+    </message>
+    <message>
+        <source>The model holds the wall within %1 mm of the incision.</source>
+        <translation>モデルは切開から %1 mm 以内の胸壁を含みます。</translation>
+    </message>
+    <message>
+        <source>Where it ends, tissue moves by up to %1 mm (%2, %3 mm from the incision towards %4).</source>
+        <translation>その端で組織は最大 %1 mm 動きます（%2、切開から %4へ %3 mm）。</translation>
+    </message>
+    <message>
+        <source>Where the image ends, tissue moves by up to %1 mm: what holds it beyond the image is not known.</source>
+        <translation>画像の端で組織は最大 %1 mm 動きます。画像の外で何が支えるかは分かりません。</translation>
+    </message>
+    <message>
+        <source>No bar contains the force that the wall beyond would add: on phantoms the force with the whole wall was up to twice as large.</source>
+        <translation>その先の胸壁が加える力はどの誤差にも含まれません。ファントムでは胸壁全体での力は最大 2 倍でした。</translation>
+    </message>
+    <message>
+        <source>the left</source>
+        <translation>左</translation>
+    </message>
+    <message>
+        <source>the right</source>
+        <translation>右</translation>
+    </message>
+    <message>
+        <source>the feet</source>
+        <translation>足側</translation>
+    </message>
+    <message>
+        <source>the head</source>
+        <translation>頭側</translation>
+    </message>
+    <message>
+        <source>the front</source>
+        <translation>前</translation>
+    </message>
+    <message>
+        <source>the back</source>
+        <translation>後ろ</translation>
+    </message>
+    <message>
+        <source>contact: nothing touches; surfaces that overlap by up to %1 mm at rest keep this overlap.</source>
+        <translation>接触：何も触れません。静止時に最大 %1 mm 重なる面はそのままです。</translation>
+    </message>
+    <message>
+        <source>Lateral thoracotomy, centred just in front of the mid-axillary line.</source>
+        <translation>側方開胸。中腋窩線のすぐ前を中心とします。</translation>
+    </message>
+    <message>
+        <source>Left posterolateral thoracotomy for the distal arch and the descending aorta.</source>
+        <translation>遠位弓部と下行大動脈のための左後側方開胸。</translation>
+    </message>
+    <message>
+        <source>The line follows the middle of the %1 intercostal space %2, half way between the centre-lines of %3 and %4, for %5 mm.</source>
+        <translation>線は%1第 %2 肋間の中央、%3と%4の中心線の中間を %5 mm たどります。</translation>
+    </message>
+    <message>
+        <source>rib %1</source>
+        <translation>第 %1 肋骨</translation>
+    </message>
+    <message>
+        <source>The blade keeps at least %1 mm from every bone and cartilage.</source>
+        <translation>刃はすべての骨と軟骨から %1 mm 以上離れます。</translation>
+    </message>
+    <message>
+        <source>No straight finger comes to the %1 through the opening.</source>
+        <translation>まっすぐな指は開口部から%1に届きません。</translation>
+    </message>
+    <message>
+        <source>No eye sees the %1 through the opening at less than 60 degrees of incidence.</source>
+        <translation>入射角 60 度未満で開口部から%1を見る眼はありません。</translation>
+    </message>
+    <message>
+        <source>in the %1 intercostal space %2 intercostal muscle and pleura are divided beyond the skin %3 mm backwards (%4) and %5 mm forwards (%6); the division is %7 mm long with the incision, and severs %8 cm2 beyond it.</source>
+        <translation>%1第 %2 肋間で、肋間筋と胸膜を皮膚を越えて後方へ %3 mm（%4）、前方へ %5 mm（%6）切離します。切離は切開を含めて長さ %7 mm、その先で %8 cm2 を切ります。</translation>
+    </message>
+    <message>
+        <source>%1 mm from the spine's midline</source>
+        <translation>脊椎の正中から %1 mm</translation>
+    </message>
+    <message>
+        <source>%1 mm from the sternum</source>
+        <translation>胸骨から %1 mm</translation>
+    </message>
+    <message>
+        <source>the ribs join</source>
+        <translation>肋骨が合う所</translation>
+    </message>
+    <message>
+        <source>What was computed</source>
+        <translation>計算の内容</translation>
+    </message>
+    <message>
+        <source>Computed</source>
+        <translation>計算日時</translation>
+    </message>
+    <message>
+        <source>Case</source>
+        <translation>症例</translation>
+    </message>
+    <message>
+        <source>Patient</source>
+        <translation>患者</translation>
+    </message>
+    <message>
+        <source>Contact of lips and organs</source>
+        <translation>創縁と臓器の接触</translation>
+    </message>
+    <message>
+        <source>computed where surfaces would pass through each other</source>
+        <translation>面がすり抜ける所で計算</translation>
+    </message>
+    <message>
+        <source>Pressure on the wall</source>
+        <translation>胸壁への圧</translation>
+    </message>
+    <message>
+        <source>Held at</source>
+        <translation>支持</translation>
+    </message>
+    <message>
+        <source>Material of the wall</source>
+        <translation>胸壁の材料</translation>
+    </message>
+    <message>
+        <source>Law</source>
+        <translation>構成則</translation>
+    </message>
+    <message>
+        <source>Tension before the cut</source>
+        <translation>切る前の張力</translation>
+    </message>
+    <message>
+        <source>Source</source>
+        <translation>出典</translation>
+    </message>
+    <message>
+        <source>What these numbers do not say</source>
+        <translation>これらの数値が言わないこと</translation>
+    </message>
+    <message>
+        <source>Each tissue has a published mean stiffness, not the stiffness of this patient.</source>
+        <translation>各組織の剛性は公表された平均値で、この患者のものではありません。</translation>
+    </message>
+    <message>
+        <source>The stiffness is the same everywhere in a material.</source>
+        <translation>剛性は一つの材料の中で一様です。</translation>
+    </message>
+    <message>
+        <source>Forces are proportional to the stiffness.</source>
+        <translation>力は剛性に比例します。</translation>
+    </message>
+    <message>
+        <source>Beyond the meshed region, the model contains only bones and cartilages, up to their joints at the spine.</source>
+        <translation>格子の領域の外では、脊椎との関節までの骨と軟骨だけを含みます。</translation>
+    </message>
+    <message>
+        <source>Soft tissue there does not resist the hooks, and the pictures show it at rest.</source>
+        <translation>そこの軟部組織は鉤に抵抗せず、図では静止したままです。</translation>
+    </message>
+    <message>
+        <source>Lips, ribs, shoulder blades and organs push against each other without friction where they would pass through each other; organs do not move.</source>
+        <translation>創縁、肋骨、肩甲骨、臓器は、すり抜けるはずの所で摩擦なしに押し合います。臓器は動きません。</translation>
+    </message>
+    <message>
+        <source>Fractures are foretold for ribs only, from the mean moments at which 52 tested pieces of ribs broke; single ribs differ from the mean.</source>
+        <translation>骨折の予測は肋骨だけで、試験した 52 片が折れた平均モーメントによります。個々の肋骨は平均と異なります。</translation>
+    </message>
+    <message>
+        <source>Age, thin bone and earlier fractures are not considered.</source>
+        <translation>年齢、薄い骨、以前の骨折は考慮しません。</translation>
+    </message>
+    <message>
+        <source>The sternum, the joints, the cartilages and the neck of a rib at the spine are not judged.</source>
+        <translation>胸骨、関節、軟骨、脊椎側の肋骨頸は判定しません。</translation>
+    </message>
+    <message>
+        <source>Hooks are rigid blades that bear on bone close behind them.</source>
+        <translation>鉤は剛体のブレードで、すぐ後ろの骨にかかります。</translation>
+    </message>
+    <message>
+        <source>A hook slips only where it has a force limit or a soft grip.</source>
+        <translation>鉤が滑るのは力の上限か柔らかい把持がある所だけです。</translation>
+    </message>
+    <message>
+        <source>Tissue does not tear.</source>
+        <translation>組織は裂けません。</translation>
+    </message>
+    <message>
+        <source>Inverted elements are errors of the computation.</source>
+        <translation>反転した要素は計算の誤りです。</translation>
     </message>
 </context>
 </TS>

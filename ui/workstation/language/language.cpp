@@ -166,6 +166,8 @@ void set_language(const QString& code)
     chosen() = { .code = code, .book = std::move(book), .said = {}, .in_pictures = !font.empty() };
 }
 
+const Phrasebook* language_book() { return chosen().code == "en" ? nullptr : &chosen().book; }
+
 QString language() { return chosen().code; }
 
 QString preferred_language()

@@ -12,6 +12,7 @@ class QWidget;
 namespace retractor::ui {
 
 struct Scene;
+struct Phrasebook;
 
 struct Language {
     const char* code; ///< ISO 639-1
@@ -25,6 +26,10 @@ void set_language(const QString& code);
 
 /// The code of the language that is set; "en" at first.
 QString language();
+
+/// What is known of the language that is set, for work on other threads; null in English. It lives as long as the
+/// program, and set_language() changes it: windows exist only after that.
+const Phrasebook* language_book();
 
 /// The language that a person has chosen, else that of the system where there is a font for it, else English. Needs a
 /// QApplication.

@@ -13,6 +13,7 @@
 #include "ui/plan_scene/field_map.h"
 #include "ui/scene/scene.h"
 #include "ui/workstation/language/phrasebook.h"
+#include "ui/workstation/language/translated_page.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/search_dialog.h"
 
@@ -49,6 +50,30 @@ namespace language_test {
         QBuffer file(&bytes);
         file.open(QIODevice::ReadOnly);
         return read_phrasebook(file);
+    }
+
+    TEST(Phrasebook, TranslatesThePagesTextAndNothingElse)
+    {
+        const Phrasebook book = book_of({ { "Stiffness & force", "Steife und Kraft" }, { "target", "Ziel" },
+            { "Shows %1 % of the %2.", "Vom %2 sind %1 % zu sehen." } });
+        const std::string page
+            = "<!doctype html>\n<html lang=\"en\"><head><style>p { target: 1 }</style>\n"
+              "<script>const t = \"target\"; if (1 < 2) f(\"<p>target</p>\");</script></head>"
+              "<body title=\"target\"><h1> Stiffness &amp; force </h1><p>Shows 3 % of the\n target.</p>"
+              "<p>not known: a &lt; b</p><td>target</td></body></html>\n";
+        EXPECT_EQ(translated_page(book, page, "de"),
+            "<!doctype html>\n<html lang=\"de\"><head><style>p { target: 1 }</style>\n"
+            "<script>const t = \"target\"; if (1 < 2) f(\"<p>target</p>\");</script></head>"
+            "<body title=\"target\"><h1> Steife und Kraft </h1><p>Vom Ziel sind 3 % zu sehen.</p>"
+            "<p>not known: a &lt; b</p><td>Ziel</td></body></html>\n");
+        EXPECT_EQ(translated_page(book, "", "de"), "");
+        EXPECT_EQ(translated_page(book, "<p", "de"), "<p") << "a page that was cut off";
+        EXPECT_EQ(translated_page(book, "<script>target", "de"), "<script>target");
+    }
+
+    TEST(Phrasebook, APageThatCannotBeReadIsNamed)
+    {
+        EXPECT_THROW(translate_page("/no/such/page.html", {}, "de"), IoError);
     }
 
     TEST(Phrasebook, KnowsPhrasesAndFillsOpenPlacesInTheOrderOfTheOtherLanguage)

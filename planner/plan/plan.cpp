@@ -860,17 +860,23 @@ void plan_samples(Patient& patient, const Approach& approach, std::span<const St
             on_planned(s, { .field = made.field, .failure = {} });
         return;
     }
+    const auto is_own = [](const StiffnessFactors& factors) { return factors.empty(); };
     std::optional<OpenedWall> start;
     {
         CutApproach own = made;
         OpenedWound wound;
-        open_and_measure(own, wound, patient, nullptr, job, checks);
+        if (std::ranges::any_of(samples, is_own)) {
+            open_and_measure(own, wound, patient, nullptr, job, checks);
+        } else {
+            release_tension(own.field, own.cut, own.uncut, patient);
+            open_cut_wall(own.field, wound, std::move(own.cut), patient, *patient.labels(), nullptr, job);
+        }
         if (job.cancelled())
             return;
         if (is_usable(own.field.opening) && !own.field.contact_was_lost)
             start = opened_wall_of(own.field, wound);
         for (std::size_t s = 0; s < samples.size(); ++s)
-            if (samples[s].empty())
+            if (is_own(samples[s]))
                 on_planned(s, { .field = own.field, .failure = {} });
     }
     made.field.metrics.seconds.clear(); // mesh and cut were made once

@@ -63,9 +63,11 @@ struct PlanAttempt {
 /// takes a fraction of the time of plan_approach(). Both end within the same residual and balance of the retractor, so
 /// their forces differ by a few percent (docs/method/elasticity.md).
 /// @param samples an empty one is the case as it is
-/// @param on_planned called with the number of each sample as soon as it is planned, not in order
+/// @param on_planned called with the number of each sample as soon as it is planned: empty ones first, the others in
+/// order
 /// @throws as plan_approach() from the mesh, the cut and the opening with the stiffness of the case
-/// @post a cancelled job ends without the samples that remain; the patient has the stiffness of the last sample
+/// @post a cancelled job ends without the samples that remain; the patient has the stiffness of one of the samples, or
+/// of the case
 void plan_samples(Patient& patient, const Approach& approach, std::span<const StiffnessFactors> samples,
     const std::function<void(std::size_t sample, PlanAttempt planned)>& on_planned, const Job& job = {},
     const PlanChecks& checks = {});

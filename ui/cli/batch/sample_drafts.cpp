@@ -2,6 +2,7 @@
 
 #include "mesh/base/each_on_threads.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 #include "planner/case/draft_case.h"
 #include "planner/plan/plan.h"
 #include "ui/cli/batch/batch_folder.h"
@@ -15,9 +16,10 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
-#include <cmath>
 #include <cstdlib>
+#include <exception>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -32,6 +34,15 @@ namespace {
     /// Fewer samples are not worth an opening of their own to begin at.
     constexpr std::size_t kLeastOfProcess = 4;
 
+    /// Drafts from one opening differ by a few percent from others, which an earlier version made.
+    std::vector<std::string> inputs_of_drafts(const std::vector<BatchJob>& jobs)
+    {
+        std::vector<std::string> inputs = inputs_of(jobs);
+        for (std::string& text : inputs)
+            text += " from the opening of the case";
+        return inputs;
+    }
+
     /// The drafts that have no status, in parts of one approach: twice as many parts as processes, so that none waits
     /// long for the others.
     std::vector<std::vector<std::size_t>> parts_of(const std::vector<BatchRow>& rows, std::size_t processes)
@@ -43,7 +54,7 @@ namespace {
         std::vector<std::vector<std::size_t>> parts;
         for (const auto& [name, open] : of_approach) {
             const std::size_t wanted = (2 * processes + of_approach.size() - 1) / of_approach.size(),
-                              most = (open.size() + kLeastOfProcess - 1) / kLeastOfProcess,
+                              most = std::max<std::size_t>(open.size() / kLeastOfProcess, 1),
                               count = std::min(wanted, most);
             for (std::size_t p = 0; p < count; ++p)
                 parts.emplace_back(open.begin() + static_cast<std::ptrdiff_t>(p * open.size() / count),
@@ -158,7 +169,7 @@ BatchRun run_sample_drafts(const std::vector<SampleDraft>& drafts, const fs::pat
     std::vector<BatchJob> jobs;
     for (const SampleDraft& draft : drafts)
         jobs.push_back(draft.job);
-    const std::vector<std::string> inputs = inputs_of(jobs);
+    const std::vector<std::string> inputs = inputs_of_drafts(jobs);
     ::setenv("OPENBLAS_NUM_THREADS", "1", 1);
     BatchRun run { .rows = rows_of(jobs, inputs, jobs_folder, settings.retry) };
     run.skipped = static_cast<std::size_t>(
@@ -172,23 +183,42 @@ BatchRun run_sample_drafts(const std::vector<SampleDraft>& drafts, const fs::pat
     const std::vector<std::vector<std::size_t>> parts = parts_of(run.rows, static_cast<std::size_t>(processes));
     Rows rows(run, inputs, folder, job);
     job.report("jobs", 0.0);
+    std::atomic<bool> broken { false }; ///< a full disk concerns all processes
     each_on_threads(parts.size(), processes, job, [&](std::size_t p) {
-        for (std::vector<std::size_t> left = parts[p]; !left.empty() && !job.cancelled();) {
-            const double limit_s = settings.limit_s * static_cast<double>(left.size());
-            const ProgramRun process
-                = run_program(words(left), std::chrono::milliseconds(std::llround(1000.0 * limit_s)), {}, [&] {
-                      static_cast<void>(rows.take_ended(left));
-                      return job.cancelled();
-                  });
+        bool ended_none = false; ///< the last process of this part
+        for (std::vector<std::size_t> left = parts[p]; !left.empty() && !job.cancelled() && !broken.load();) {
             const std::size_t before = left.size();
+            Stopwatch since_last;
+            bool too_long = false;
+            std::exception_ptr failure;
+            const auto stop = [&] {
+                try {
+                    const std::size_t open = left.size();
+                    left = rows.take_ended(left);
+                    if (left.size() < open)
+                        since_last = Stopwatch();
+                } catch (...) { // the process must still be ended
+                    failure = std::current_exception();
+                    broken.store(true);
+                }
+                too_long = since_last.seconds() > settings.limit_s;
+                return too_long || job.cancelled() || broken.load();
+            };
+            constexpr std::chrono::hours kForever { 24 * 365 }; // each draft has its own limit
+            const ProgramRun process = run_program(words(left), kForever, {}, stop);
+            if (failure)
+                std::rethrow_exception(failure);
             left = rows.take_ended(left);
-            if (process.stopped || left.empty())
+            if (left.empty() || (process.stopped && !too_long))
                 break;
-            // The process ended while it planned the first of the rest; without any draft it would end there again.
-            const JobFailure failure = failure_of(process, limit_s);
-            const std::size_t failed = left.size() == before ? left.size() : 1;
+            // The process ended in the first of the rest. Where two ended before any draft, their common opening fails.
+            const bool again_none = std::exchange(ended_none, left.size() == before) && left.size() == before;
+            const JobFailure reason = too_long ? JobFailure { "took longer than " + in_words(settings.limit_s) + " s" }
+                                               : failure_of(process, settings.limit_s);
+            const bool bad_input = process.exit_code == 2; // of mesh, cut or opening, which all share
+            const std::size_t failed = again_none || bad_input ? left.size() : 1;
             for (std::size_t n = 0; n < failed; ++n)
-                rows.fail(left[n], failure);
+                rows.fail(left[n], reason);
             left.erase(left.begin(), left.begin() + static_cast<std::ptrdiff_t>(failed));
         }
     });
@@ -212,7 +242,7 @@ void plan_drafts_here(const std::vector<SampleDraft>& drafts, const fs::path& fo
         jobs.push_back(draft.job);
         samples.push_back(draft.factors);
     }
-    const std::vector<std::string> inputs = inputs_of(jobs);
+    const std::vector<std::string> inputs = inputs_of_drafts(jobs);
     Stopwatch watch;
     planner::plan_samples(patient, patient.planned_case().approaches.front(), samples,
         [&](std::size_t s, planner::PlanAttempt planned) {

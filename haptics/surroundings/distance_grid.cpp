@@ -147,6 +147,11 @@ double DistanceGrid::distance(const Vec3& at) const noexcept
     return sum;
 }
 
+Eigen::AlignedBox3d DistanceGrid::box() const noexcept
+{
+    return { origin_, origin_ + step_ * Vec3(size_[0] - 1, size_[1] - 1, size_[2] - 1) };
+}
+
 bool DistanceGrid::contains(const Vec3& at) const noexcept
 {
     const Vec3 in_steps = (at - origin_) / step_;

@@ -10,13 +10,13 @@ namespace retractor::haptics {
 
 namespace {
 
+    constexpr double kTipMm = 10.0; ///< of the rod, which may lie on the touched structure, as in the measure
     constexpr double kEveryMm = 4.0; ///< along the rod: between two questions a point comes 0.26 mm nearer at most
 
 } // namespace
 
-FingerAccess::FingerAccess(
-    std::shared_ptr<const DistanceGrid> around, const Opening& opening, const StraightRod& finger)
-    : around_(std::move(around))
+FingerAccess::FingerAccess(Surroundings surroundings, const Opening& opening, const StraightRod& finger)
+    : surroundings_(std::move(surroundings))
     , opening_(opening)
     , finger_(finger)
 {
@@ -35,35 +35,51 @@ FingerAccess::FingerAccess(
 std::optional<FingerAccess::Hindrance> FingerAccess::hindrance(
     const Vec3& tip, double tip_radius_mm, const Vec3& outward, double length_mm) const noexcept
 {
-    const double thick = 0.5 * finger_.thickness_mm;
+    const DistanceGrid& around = *surroundings_.around;
+    const double thick = 0.5 * finger_.thickness_mm, thin = std::min(tip_radius_mm, thick);
     for (double s = kEveryMm; s <= length_mm; s += kEveryMm) {
         const Vec3 at = tip + s * outward;
         const double share = finger_.taper_mm > 0.0 ? std::min(s / finger_.taper_mm, 1.0) : 1.0;
-        const double radius = std::min(tip_radius_mm, thick) + share * (thick - std::min(tip_radius_mm, thick));
-        if (around_->distance(at) < std::min(radius, around_->farthest_mm()))
+        const double radius = thin + share * (thick - thin);
+        if (around.distance(at) < std::min(radius, around.farthest_mm()))
             return Hindrance { s, at };
+        if (s >= kTipMm && surroundings_.structure != nullptr
+            && surroundings_.structure->distance(at) < std::min(thick, surroundings_.structure->farthest_mm()))
+            return Hindrance { s, at, true };
     }
     return std::nullopt;
 }
 
-FingerAccess::Answer FingerAccess::at(const Vec3& tip, double tip_radius_mm, std::size_t gate) const noexcept
+FingerAccess::Answer FingerAccess::refused(const Hindrance& hindrance, std::size_t gate) const noexcept
 {
-    if (!around_->contains(tip))
-        return { .fits = true, .gate = gate };
-    if (around_->distance(tip) < std::min(tip_radius_mm, around_->farthest_mm()))
-        return { .hindrance = around_->nearest(tip), .away = around_->away(tip) };
+    const DistanceGrid& met = hindrance.is_structure ? *surroundings_.structure : *surroundings_.around;
+    return { .hindrance = hindrance.is_structure ? kStructure : met.nearest(hindrance.at),
+        .away = met.away(hindrance.at),
+        .gate = gate };
+}
+
+FingerAccess::Answer FingerAccess::at(const Vec3& tip, double tip_radius_mm, std::size_t gate, Ways ways) const noexcept
+{
+    const DistanceGrid& around = *surroundings_.around;
     const double above = (tip - opening_.centre).dot(opening_.normal);
+    gate = std::min(gate, gates_.size() - 1);
+    const Answer too_far { .hindrance = kTooFar, .away = (opening_.centre - tip).normalized(), .gate = gate };
+    if (!around.contains(tip)) {
+        if (above < 0.0 && around.box().exteriorDistance(tip) < kAwayMm)
+            return too_far;
+        return { .fits = true, .gate = gate };
+    }
+    if (around.distance(tip) < std::min(tip_radius_mm, around.farthest_mm()))
+        return { .hindrance = around.nearest(tip), .away = around.away(tip), .gate = gate };
     if (above >= 0.0) {
         const auto stopped = hindrance(tip, tip_radius_mm, opening_.normal, finger_.outside_mm);
-        if (!stopped)
-            return { .fits = true, .outward = opening_.normal };
-        return { .hindrance = around_->nearest(stopped->at), .away = around_->away(stopped->at) };
+        return stopped ? refused(*stopped, gate) : Answer { .fits = true, .outward = opening_.normal, .gate = gate };
     }
+    constexpr std::size_t kFew = 12;
+    const std::size_t most = ways == Ways::all ? gates_.size() : std::min(kFew, gates_.size());
     std::optional<Hindrance> farthest; // of the way that is free longest
-    std::size_t of_farthest = 0;
-    bool is_near = false;
-    gate = std::min(gate, gates_.size() - 1);
-    for (std::size_t n = 0; n <= gates_.size(); ++n) {
+    std::size_t of_farthest = gate;
+    for (std::size_t n = 0; n <= most; ++n) {
         const std::size_t g = n == 0 ? gate : n - 1; // the last way first
         if (n > 0 && g == gate)
             continue;
@@ -71,7 +87,6 @@ FingerAccess::Answer FingerAccess::at(const Vec3& tip, double tip_radius_mm, std
         const double length = way.norm();
         if (!(length > 0.0) || length > finger_.reach_mm)
             continue;
-        is_near = true;
         const Vec3 outward = way / length;
         const auto stopped = hindrance(tip, tip_radius_mm, outward, length + finger_.outside_mm);
         if (!stopped)
@@ -81,9 +96,7 @@ FingerAccess::Answer FingerAccess::at(const Vec3& tip, double tip_radius_mm, std
             of_farthest = g;
         }
     }
-    if (!is_near)
-        return { .hindrance = kTooFar, .away = (opening_.centre - tip).normalized(), .gate = gate };
-    return { .hindrance = around_->nearest(farthest->at), .away = around_->away(farthest->at), .gate = of_farthest };
+    return farthest ? refused(*farthest, of_farthest) : too_far;
 }
 
 FingerAccess::Place FingerAccess::towards(
@@ -100,7 +113,7 @@ FingerAccess::Place FingerAccess::towards(
         for (int n = 0; n < kHalvings; ++n) {
             const double middle = 0.5 * (low + high);
             const Vec3 tip = from.tip + middle * (to - from.tip);
-            const Answer tried = at(tip, tip_radius_mm, best.answer.gate);
+            const Answer tried = at(tip, tip_radius_mm, best.answer.gate, Ways::few);
             (tried.fits ? low : high) = middle;
             if (tried.fits)
                 best = { tip, tried };
@@ -109,23 +122,29 @@ FingerAccess::Place FingerAccess::towards(
         }
         return best;
     };
-    Place reached = as_far_as_free({ allowed, at(allowed, tip_radius_mm, gate) }, wanted);
+    Place begin { allowed, at(allowed, tip_radius_mm, gate) };
+    if (!begin.answer.fits) {
+        begin.tip = outside(tip_radius_mm);
+        begin.answer = at(begin.tip, tip_radius_mm, gate);
+    }
+    Place reached = as_far_as_free(begin, wanted);
     const int hindrance = refused.hindrance;
     // Along what hinders: without the part of the way that goes on into it.
     const Vec3 rest = wanted - reached.tip;
     const Vec3 along = rest - std::min(rest.dot(refused.away), 0.0) * refused.away;
     if (along.squaredNorm() > 0.0) {
         const Vec3 to = reached.tip + along;
-        const Answer tried = at(to, tip_radius_mm, reached.answer.gate);
+        const Answer tried = at(to, tip_radius_mm, reached.answer.gate, Ways::few);
         reached = tried.fits ? Place { to, tried } : as_far_as_free(reached, to);
     }
     reached.answer.hindrance = hindrance;
     return reached;
 }
 
-std::shared_ptr<const DistanceGrid> make_surroundings(const std::vector<mesh::NamedSurface>& around,
-    const Opening& opening, const Points& structure, double thickest_mm, const Job& job)
+Surroundings make_surroundings(const std::vector<mesh::NamedSurface>& around, const Opening& opening,
+    const TriMesh& structure, double thickest_mm, const Job& job)
 {
+    // The margin holds a fingertip on the structure; outside, the hand is out of everything.
     constexpr double kStepMm = 1.5, kMostPoints = 4e6, kMarginMm = 12.0, kOutsideMm = 60.0;
     const Vec3 across = opening.normal.cross(opening.along), margin = Vec3::Constant(kMarginMm);
     Eigen::AlignedBox3d box;
@@ -137,18 +156,25 @@ std::shared_ptr<const DistanceGrid> make_surroundings(const std::vector<mesh::Na
                 box.extend(corner - margin);
                 box.extend(corner + margin);
             }
-    if (structure.rows() > 0) {
-        box.extend(structure.colwise().minCoeff().transpose() - margin);
-        box.extend(structure.colwise().maxCoeff().transpose() + margin);
+    if (structure.vertices.rows() > 0) {
+        box.extend(structure.vertices.colwise().minCoeff().transpose() - margin);
+        box.extend(structure.vertices.colwise().maxCoeff().transpose() + margin);
     }
-    const double step = std::max(kStepMm, std::cbrt(box.volume() / kMostPoints));
-    return std::make_shared<const DistanceGrid>(around, box, step, 0.5 * thickest_mm + 2.0 * step, job);
+    const double step = std::max(kStepMm, std::cbrt(box.volume() / kMostPoints)),
+                 farthest = 0.5 * thickest_mm + 2.0 * step;
+    return { .around = std::make_shared<const DistanceGrid>(around, box, step, farthest, job),
+        .structure = std::make_shared<const DistanceGrid>(
+            std::vector<mesh::NamedSurface> { { "structure", structure } }, box, step, farthest, job) };
 }
 
 Vec3 FingerAccess::outside(double tip_radius_mm) const noexcept
 {
-    constexpr double kAboveMm = 20.0;
-    return opening_.centre + (tip_radius_mm + kAboveMm) * opening_.normal;
+    constexpr double kAboveMm = 20.0, kStepMm = 10.0;
+    constexpr int kMostSteps = 30; // then it is outside the grid, where nothing hinders
+    Vec3 tip = opening_.centre + (tip_radius_mm + kAboveMm) * opening_.normal;
+    for (int n = 0; n < kMostSteps && !at(tip, tip_radius_mm).fits; ++n)
+        tip += kStepMm * opening_.normal;
+    return tip;
 }
 
 } // namespace retractor::haptics

@@ -17,14 +17,20 @@ void HinderedTissue::move(Held& held, const Fingertip& finger) const noexcept
 {
     if (!held.begun) {
         held.place.tip = access_->outside(finger.radius);
+        held.wanted = finger.position;
         held.begun = true;
     } else if (finger.position == held.wanted && finger.radius == held.radius) {
+        held.jumped = false;
         return; // the hand rests
     }
+    constexpr double kJumpMm = 3.0; // in a tick, beyond the way of the hand
+    const double way = (finger.position - held.wanted).norm();
+    const Vec3 before = held.place.tip;
     held.wanted = finger.position;
     held.radius = finger.radius;
-    held.place = access_->towards(held.place.tip, finger.position, finger.radius, held.place.answer.gate);
+    held.place = access_->towards(before, finger.position, finger.radius, held.place.answer.gate);
     held.stopped = held.place.tip != finger.position;
+    held.jumped = (held.place.tip - before).norm() > way + kJumpMm;
 }
 
 void HinderedTissue::tick(
@@ -34,6 +40,7 @@ void HinderedTissue::tick(
         move(held_[f], fingers[f]);
         asked_[f] = fingers[f];
         asked_[f].position = held_[f].place.tip;
+        asked_[f].placed = fingers[f].placed || held_[f].jumped;
         if (held_[f].stopped)
             asked_[f].velocity.setZero();
     }

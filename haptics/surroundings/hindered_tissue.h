@@ -34,6 +34,7 @@ private:
         Vec3 wanted = Vec3::Zero();
         double radius = 0.0;
         bool begun = false, stopped = false;
+        bool jumped = false; ///< the tip is elsewhere without having moved there: the hand came free of what stopped it
     };
     void move(Held& held, const Fingertip& finger) const noexcept;
 

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -32,19 +34,26 @@ namespace {
         }
     }
 
-    /// Whether voxels of two labels share a face.
-    bool touch(const mesh::LabelVolume& labels, Label a, Label b)
+    /// Which labels share a face of a voxel with this one.
+    std::vector<std::uint8_t> neighbours_of(const mesh::LabelVolume& labels, Label label)
     {
+        std::vector<std::uint8_t> beside(std::numeric_limits<Label>::max() + std::size_t { 1 }, 0);
         const auto& size = labels.grid.size;
-        const std::array<std::size_t, 3> stride { 1, static_cast<std::size_t>(size[0]),
-            static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) };
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            for (std::size_t i = 0; i + stride[axis] < labels.voxels.size(); ++i) {
-                const Label here = labels.voxels[i], next = labels.voxels[i + stride[axis]];
-                if ((here == a && next == b) || (here == b && next == a))
-                    return true;
-            }
-        return false;
+        mesh::visit_voxels(labels, [&](int i, int j, int k, Label here) {
+            const auto look = [&](int x, int y, int z) {
+                if (x >= size[0] || y >= size[1] || z >= size[2])
+                    return;
+                const Label next = labels.voxels[labels.grid.offset(x, y, z)];
+                if (here == label)
+                    beside[next] = 1;
+                if (next == label)
+                    beside[here] = 1;
+            };
+            look(i + 1, j, k);
+            look(i, j + 1, k);
+            look(i, j, k + 1);
+        });
+        return beside;
     }
 
 } // namespace
@@ -59,10 +68,12 @@ std::vector<std::string> palpated_structure(const Approach& approach, Patient& p
     if (target == nullptr || target->role == mesh::Role::wall)
         throw InputError("the target lies in no organ that can be palpated", approach.name, { "target" });
     std::vector<std::string> structure { target->name };
-    if (target->material == "vessel")
+    if (target->material == "vessel") {
+        const std::vector<std::uint8_t> beside = neighbours_of(*labels, target->id);
         for (const mesh::LabelInfo& info : table)
-            if (info.material == "vessel" && info.id != target->id && touch(*labels, info.id, target->id))
+            if (info.material == "vessel" && info.id != target->id && beside[info.id] != 0)
                 structure.push_back(info.name);
+    }
     return structure;
 }
 

@@ -17,7 +17,7 @@ struct PalpableThroughWound {
     Palpable palpable;
     std::vector<std::string> structure; ///< labels of which it is made
     /// Everything that stops a finger, by the names that people know: the opened wall, blades, and the organs that stay
-    /// where they are, as rigid surfaces. The same surfaces block the view of the target.
+    /// where they are, as rigid surfaces. They also block the view, but for the target.
     std::vector<mesh::NamedSurface> around;
 };
 

@@ -10,8 +10,10 @@
 #include "mesh/base/error.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -102,10 +104,11 @@ namespace {
 
 std::size_t fingers_of(const std::string& model) { return model == "spheres" ? kMostFingers : 2; }
 
-double fingertip_radius(const datasets::PalpationScene& scene)
+double fingertip_radius(const datasets::PalpationScene& scene, const haptics::FingerAccess* access)
 {
     constexpr double kLargeBody = 200.0; // mm; a larger body is an organ and not a vessel
-    return diagonal_of(scene) < kLargeBody ? 4.0 : 8.0;
+    const double radius = diagonal_of(scene) < kLargeBody ? 4.0 : 8.0;
+    return access != nullptr ? std::min(radius, 0.5 * access->finger().thickness_mm) : radius;
 }
 
 haptics::DeviceInfo mouse_info(std::size_t finger)
@@ -204,7 +207,7 @@ std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
     if (!names.empty())
         hands->rig = std::make_unique<haptics::DeviceRig>(names, haptics::HdOptions {}, fingers_of_names);
     std::size_t rigged = 0;
-    const double radius = fingertip_radius(scene_);
+    const double radius = fingertip_radius(scene_, access_.get());
     for (std::size_t f = 0; f < fingers; ++f) {
         const std::string name = device_of(setup, f);
         if (is_mouse(name)) {
@@ -254,7 +257,7 @@ void PalpationSession::start(std::unique_ptr<Hands> hands)
 {
     haptics::ServoOptions options;
     for (std::size_t f = 0; f < hands->devices.size(); ++f)
-        options.fingers.push_back({ .device = f, .radius = fingertip_radius(scene_) });
+        options.fingers.push_back({ .device = f, .radius = fingertip_radius(scene_, access_.get()) });
     options.force_gain = setup_.force_gain;
     if (!hands->pushes)
         options.faults.late_s = kLateWithoutForce;
@@ -469,10 +472,20 @@ void PalpationSession::find_reached()
     auto reached = std::make_shared<std::vector<std::uint8_t>>(surface.triangles.size(), 0);
     double area = 0.0, area_reached = 0.0;
     std::size_t gate = 0;
-    const double radius = fingertip_radius(scene_);
+    const double radius = fingertip_radius(scene_, &access);
+    std::set<std::array<float, 3>> inner; // places of the inner wall, which no finger from outside touches
+    const auto place = [](const auto& row) {
+        return std::array<float, 3> { static_cast<float>(row.x()), static_cast<float>(row.y()),
+            static_cast<float>(row.z()) };
+    };
+    for (std::size_t v = 0; v < scene_.body.roles.size(); ++v)
+        if (scene_.body.roles[v] == datasets::VertexRole::inner_wall)
+            inner.insert(place(scene_.body.mesh.vertices.row(static_cast<Eigen::Index>(v))));
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
         const auto& [a, b, c] = surface.triangles[t];
         const Vec3 p = surface.vertices.row(a), q = surface.vertices.row(b), r = surface.vertices.row(c);
+        if (inner.contains(place(p)) && inner.contains(place(q)) && inner.contains(place(r)))
+            continue;
         const Vec3 normal = (q - p).cross(r - p);
         const double twice = normal.norm();
         area += twice;

@@ -40,8 +40,9 @@ struct PalpationBackend {
 /// Number of fingers of a model, at most kMostFingers.
 constexpr std::size_t kMostFingers = 6;
 std::size_t fingers_of(const std::string& model);
-/// Radius of a fingertip that suits the size of the body, mm.
-double fingertip_radius(const datasets::PalpationScene& scene);
+/// Radius of a fingertip that suits the size of the body, mm; of a finger or instrument in an opening at most half of
+/// its thickness. @param access null: nothing is round the tissue
+double fingertip_radius(const datasets::PalpationScene& scene, const haptics::FingerAccess* access = nullptr);
 
 /// Properties of a pointer. A pointer feels nothing, so the shown force is the tissue's, without the limits of a
 /// device.
@@ -99,7 +100,7 @@ struct PalpationFrame {
     /// Through an opening: 1 per triangle of `surface` that a finger reaches, else 0. Null: nothing is round the
     /// tissue.
     std::shared_ptr<const std::vector<std::uint8_t>> reached {};
-    double reached_share = 1.0; ///< of the area of `surface`
+    double reached_share = 1.0; ///< of the area of `surface`, without the inside of a vessel's wall
 
     static constexpr double kStripSeconds = 10.0;
 };

@@ -321,6 +321,13 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
     };
     backend.write_report = [control](const ui::PlanningBackend::Shown&, const std::filesystem::path& file,
                                const Job& job) { return write_held(*control, file, "report", job); };
+    backend.palpate_through = [](const planner::Approach& approach, const Job&) {
+        if (approach.name == "lateral")
+            throw InputError("its plan is not saved beside the case: plan it again", "approach " + approach.name);
+        ui::ShownWound wound;
+        wound.scene.title = approach.name;
+        return wound;
+    };
     return backend;
 }
 

@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 namespace retractor::haptics {
 namespace finger_access_test {
@@ -28,7 +29,7 @@ namespace finger_access_test {
         for (mesh::NamedSurface& wall : walls)
             wall.surface.vertices = (wall.surface.vertices * turn.transpose()).rowwise() + shift.transpose();
         const Eigen::AlignedBox3d around { shift - Vec3::Constant(90.0), shift + Vec3::Constant(90.0) };
-        return FingerAccess(std::make_shared<const DistanceGrid>(walls, around, kStep, kFarthest),
+        return FingerAccess({ .around = std::make_shared<const DistanceGrid>(walls, around, kStep, kFarthest) },
             { .centre = shift,
                 .normal = turn * Vec3::UnitZ(),
                 .along = turn * Vec3::UnitY(),
@@ -102,6 +103,7 @@ namespace finger_access_test {
         EXPECT_EQ(name(access.at(Vec3(-40.0, 0.0, -10.0), kTip)), "left lip") << "inside the tissue";
         EXPECT_EQ(access.at(Vec3(0.0, 0.0, -85.0), kTip).hindrance, FingerAccess::kTooFar);
         EXPECT_TRUE(access.at(Vec3(0.0, 0.0, -850.0), kTip).fits) << "a hand that is put away";
+        EXPECT_EQ(access.at(Vec3(95.0, 0.0, -10.0), kTip).hindrance, FingerAccess::kTooFar) << "beside the grid";
         EXPECT_TRUE(access.at(Vec3(40.0, 0.0, 5.0), kTip).fits) << "on the skin";
         EXPECT_FALSE(access.at(Vec3(40.0, 0.0, 2.0), kTip).fits) << "in the skin";
         EXPECT_TRUE(access.at(access.outside(kTip), kTip).fits);
@@ -128,6 +130,48 @@ namespace finger_access_test {
         EXPECT_TRUE(place.answer.fits);
     }
 
+    /// A ball below the slit: the finger touches its near side, and goes not through it to the far side.
+    TEST(FingerAccess, DoesNotPassWhatItTouches)
+    {
+        constexpr double kRadius = 12.0;
+        const Vec3 middle(0.0, 0.0, -50.0);
+        const FingerAccess slit = access_through_slit();
+        TriMesh ball;
+        constexpr int kAround = 24, kUp = 12;
+        ball.vertices.resize((kUp + 1) * kAround, 3);
+        for (int i = 0; i <= kUp; ++i)
+            for (int j = 0; j < kAround; ++j) {
+                const double polar = std::numbers::pi * i / kUp, azimuth = 2.0 * std::numbers::pi * j / kAround;
+                ball.vertices.row(i * kAround + j) = (middle
+                    + kRadius
+                        * Vec3(
+                            std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar)))
+                                                         .transpose();
+                const int next = (j + 1) % kAround;
+                if (i < kUp) {
+                    ball.triangles.push_back({ i * kAround + j, (i + 1) * kAround + j, (i + 1) * kAround + next });
+                    ball.triangles.push_back({ i * kAround + j, (i + 1) * kAround + next, i * kAround + next });
+                }
+            }
+        const FingerAccess access(make_surroundings({}, slit.opening(), ball, 16.0), slit.opening());
+        const auto at = [&](const Vec3& outward) { return access.at(middle + (kRadius + kTip) * outward, kTip); };
+        EXPECT_TRUE(at(Vec3::UnitZ()).fits);
+        EXPECT_EQ(at(-Vec3::UnitZ()).hindrance, FingerAccess::kStructure);
+        EXPECT_EQ(access.at(middle - (kRadius - kTip) * Vec3::UnitZ(), kTip).hindrance, FingerAccess::kStructure)
+            << "nor from inside";
+        EXPECT_TRUE(access.at(middle + (kRadius + kTip - 3.0) * Vec3::UnitZ(), kTip).fits) << "it presses";
+    }
+
+    TEST(FingerAccess, BeginsOutsideWhereItDoesNotFit)
+    {
+        const FingerAccess access = access_through_slit();
+        const Vec3 in_the_lip(40.0, 0.0, -10.0);
+        const FingerAccess::Place place = access.towards(in_the_lip, Vec3(50.0, 0.0, -10.0), kTip, 0);
+        EXPECT_TRUE(place.answer.fits);
+        EXPECT_NEAR(access.around().distance(place.tip), std::min(kTip, kFarthest), kFarthest);
+        EXPECT_GT(place.tip.z(), 0.0) << "on the skin";
+    }
+
     TEST(FingerAccess, AllocatesNothing)
     {
         const FingerAccess access = access_through_slit();
@@ -140,7 +184,7 @@ namespace finger_access_test {
     {
         const auto around = std::make_shared<const DistanceGrid>(std::vector<mesh::NamedSurface> {},
             Eigen::AlignedBox3d(Vec3::Constant(-1.0), Vec3::Constant(1.0)), kStep, kFarthest);
-        EXPECT_THROW(FingerAccess(around, { .length_mm = 0.0, .width_mm = 10.0 }), InputError);
+        EXPECT_THROW(FingerAccess({ .around = around }, { .length_mm = 0.0, .width_mm = 10.0 }), InputError);
     }
 
     /// Tissue below the slit, felt by a finger that the hand pushes.

@@ -47,9 +47,9 @@ namespace through_wound_test {
                     .along = opening.along,
                     .length_mm = opening.length_mm,
                     .width_mm = opening.width_mm };
-                const haptics::FingerAccess access(haptics::make_surroundings({ { "left", left }, { "right", right } },
-                                                       gate, target.vertices, kFingerMm),
-                    gate, { .thickness_mm = kFingerMm, .reach_mm = kFingerReachMm });
+                const haptics::FingerAccess access(
+                    haptics::make_surroundings({ { "left", left }, { "right", right } }, gate, target, kFingerMm), gate,
+                    { .thickness_mm = kFingerMm, .reach_mm = kFingerReachMm });
                 const auto felt = static_cast<double>(std::ranges::count_if(samples, [&](const SurfaceSample& sample) {
                     return access.at(sample.position + kTip * Vec3::UnitZ(), kTip).fits;
                 })) / 2000.0;

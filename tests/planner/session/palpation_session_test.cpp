@@ -121,8 +121,17 @@ namespace palpation_session_test {
         ASSERT_TRUE(until([&] { return frame_.servo.ticks > 0; }));
         ASSERT_NE(frame_.reached, nullptr);
         EXPECT_EQ(frame_.reached->size(), frame_.surface->triangles.size());
-        EXPECT_GT(frame_.reached_share, 0.03) << "the near side";
-        EXPECT_LT(frame_.reached_share, 0.5) << "not the far side";
+        EXPECT_GT(frame_.reached_share, 0.02) << "the near side";
+        EXPECT_LT(frame_.reached_share, 0.3) << "not the far side";
+        const Vec3 out = session_->scene().site("centre").outward;
+        for (std::size_t t = 0; t < frame_.reached->size(); ++t) {
+            const auto& corners = frame_.surface->triangles[t];
+            const Vec3 a = frame_.surface->vertices.row(corners[0]), b = frame_.surface->vertices.row(corners[1]),
+                       c = frame_.surface->vertices.row(corners[2]);
+            if ((*frame_.reached)[t] != 0) {
+                EXPECT_GT((b - a).cross(c - a).normalized().dot(out), 0.0) << "it faces the slit";
+            }
+        }
         press(1.0);
         constexpr double kBalance = 1e-3; // of the force; the same tissue under the same finger
         EXPECT_NEAR(settled_force(), without, kBalance * without);

@@ -4,6 +4,7 @@
 #include "haptics/condensed/condensed_tissue.h"
 #include "haptics/spheres/sphere_tissue.h"
 #include "mesh/base/error.h"
+#include "mesh/surface/wound_surface.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 #include "tests/support/test_shapes.h"
 
@@ -102,7 +103,8 @@ std::vector<ThroughOpening> slit_before_tube(double width_mm)
         .centre = centre, .normal = turn.col(2), .along = turn.col(1), .length_mm = 60.0, .width_mm = width_mm
     };
     const haptics::StraightRod finger {}, instrument { .thickness_mm = 8.0, .taper_mm = 0.0, .reach_mm = 300.0 };
-    const auto around = haptics::make_surroundings(lips, opening, tube_scene().body.mesh.vertices, finger.thickness_mm);
+    const auto around = haptics::make_surroundings(
+        lips, opening, mesh::deformed_boundary(tube_scene().body.mesh, {}), finger.thickness_mm);
     return { { "finger", std::make_shared<const haptics::FingerAccess>(around, opening, finger) },
         { "instrument", std::make_shared<const haptics::FingerAccess>(around, opening, instrument) } };
 }

@@ -120,6 +120,30 @@ namespace main_window_test {
         EXPECT_TRUE(window_.start_page_shown());
     }
 
+    TEST_F(MainWindowTest, ThePlannedTargetIsPalpatedThroughItsWound)
+    {
+        open_synthetic();
+        std::vector<std::string> wounds;
+        window_.on_palpable_wound = [&](const ShownWound& wound) { wounds.push_back(wound.scene.title); };
+        press(Qt::Key_T, Qt::ControlModifier);
+        test_support::wait_until_idle(window_);
+        EXPECT_TRUE(wounds.empty()) << "nothing is planned";
+        press(Qt::Key_P);
+        test_support::wait_until_idle(window_);
+        press(Qt::Key_T, Qt::ControlModifier);
+        EXPECT_FALSE(window_.idle());
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(wounds, std::vector<std::string> { "median" });
+        EXPECT_EQ(window_.error_line(), "");
+        window_.select("lateral");
+        press(Qt::Key_P);
+        test_support::wait_until_idle(window_);
+        press(Qt::Key_T, Qt::ControlModifier);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(wounds.size(), 1U);
+        EXPECT_NE(window_.error_line().find("plan it again"), std::string::npos) << window_.error_line();
+    }
+
     TEST_F(MainWindowTest, ClosingTheCaseGoesBackToTheStartPage)
     {
         open_synthetic();
@@ -853,6 +877,8 @@ namespace main_window_test {
         planner::write_case(planned_case);
 
         MainWindow window(make_planning_backend);
+        std::optional<ShownWound> wound;
+        window.on_palpable_wound = [&](ShownWound made) { wound = std::move(made); };
         test_support::show_window(window);
         window.open_file(folder / "case.json");
         test_support::wait_until_idle(window);
@@ -867,6 +893,12 @@ namespace main_window_test {
         const QImage picture = window.view().picture();
         EXPECT_GT(distinct_colours(picture), kColoursOfAPicture);
         EXPECT_GT(target_pixels(picture), 0);
+        QTest::keyClick(&window, Qt::Key_T, Qt::ControlModifier);
+        test_support::wait_until_idle(window);
+        ASSERT_TRUE(wound) << window.error_line();
+        EXPECT_EQ(wound->ways.size(), 2U);
+        const std::vector<std::string>& names = wound->ways.front().access->around().names();
+        EXPECT_NE(std::ranges::find(names, "skin"), names.end()) << "the wall is round it";
     }
 
 } // namespace main_window_test

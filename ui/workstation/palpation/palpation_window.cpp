@@ -290,7 +290,7 @@ void PalpationWindow::poll()
 void PalpationWindow::take_snapshot()
 {
     const bool was_ready = snapshot_->phase == planner::PalpationSnapshot::Phase::ready;
-    const std::string model = snapshot_->setup.model;
+    const std::string model = snapshot_->setup.model, through = snapshot_->setup.through;
     snapshot_ = worker_->snapshot();
     if (std::exchange(answers_, snapshot_->answers) != snapshot_->answers)
         say(snapshot_->answer, snapshot_->refused);
@@ -313,16 +313,25 @@ void PalpationWindow::take_snapshot()
     }
     if (!snapshot_->busy)
         view_->show_note({});
-    if (was_ready && model == snapshot_->setup.model)
+    if (was_ready && model == snapshot_->setup.model) {
+        if (through != snapshot_->setup.through)
+            take_tool();
         return;
+    }
     view_->set_live(nullptr);
     picture_ = std::make_unique<PalpationPicture>(scene_, snapshot_->abilities.organs);
     if (hands_)
         picture_->set_hands(*hands_);
     surface_.reset();
     grips_ = {};
+    take_tool();
+}
+
+/// Gives the mouse the fingertips that the session has.
+void PalpationWindow::take_tool()
+{
     const double depth = panel_->depth().value(); // before the tool reports its own depth
-    tool_->touch(worker_.get(), snapshot_->fingers, planner::fingertip_radius(scene_));
+    tool_->touch(worker_.get(), snapshot_->fingers, planner::fingertip_radius(scene_, access_in_hand()));
     tool_->set_depth(depth);
 }
 
@@ -408,17 +417,17 @@ void PalpationWindow::show_reach()
     const haptics::FingerAccess* access = access_in_hand();
     if (access == nullptr || frame_->reached == nullptr)
         return;
-    const bool is_finger = snapshot_->setup.through != "instrument";
-    QString text = translated(formatted(is_finger
-            ? "A straight finger of %.0f mm reaches %.0f %% of the surface; what it does not reach is dark."
-            : "A straight instrument of %.0f mm thickness reaches %.0f %% of the surface; what it does not reach is "
-              "dark.",
-        is_finger ? access->finger().reach_mm : access->finger().thickness_mm, 100.0 * frame_->reached_share));
+    const haptics::StraightRod& rod = access->finger();
+    QString text = translated(formatted("A straight %s, %.0f mm thick and up to %.0f mm long, reaches %.0f %% of the "
+                                        "surface; what it does not reach is dark.",
+        snapshot_->setup.through.c_str(), rod.thickness_mm, rod.reach_mm, 100.0 * frame_->reached_share));
     const haptics::FingerContact& contact = frame_->servo.contacts[tool_->finger()];
     if (tool_->is_out(tool_->finger()) && contact.stopped) {
         const auto& names = access->around().names();
         if (contact.stopped_by == haptics::FingerAccess::kTooFar)
             text += " " + translated("It is too short for this place.");
+        else if (contact.stopped_by == haptics::FingerAccess::kStructure)
+            text += " " + translated("What it should touch lies in its way.");
         else if (contact.stopped_by >= 0 && static_cast<std::size_t>(contact.stopped_by) < names.size())
             text += " " + translated("It is stopped by: " + names[static_cast<std::size_t>(contact.stopped_by)] + ".");
     }

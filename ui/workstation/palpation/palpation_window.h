@@ -72,6 +72,7 @@ private:
     void make_panel_calls();
     void poll();
     void take_snapshot();
+    void take_tool();
     void draw();
     void begin(const planner::PalpationSetup& setup);
     void show_scene();

@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "mesh/surface/wound_surface.h"
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/anatomy/body_probe.h"
 #include "planner/approach/bearing_points.h"
@@ -215,7 +216,7 @@ namespace {
         const haptics::StraightRod finger { .thickness_mm = planner::kFingerMm, .reach_mm = planner::kFingerReachMm },
             instrument { .thickness_mm = planner::kShaftMm, .taper_mm = 0.0, .reach_mm = planner::kShaftLengthMm };
         const auto around = haptics::make_surroundings(
-            made.around, opening, made.palpable.scene.body.mesh.vertices, planner::kFingerMm, job);
+            made.around, opening, mesh::deformed_boundary(made.palpable.scene.body.mesh, {}), planner::kFingerMm, job);
         ShownWound wound { .palpable = std::move(made.palpable),
             .scene = surgeon_scene_without(patient, field, made.structure),
             .ways = { { "finger", std::make_shared<const haptics::FingerAccess>(around, opening, finger) },

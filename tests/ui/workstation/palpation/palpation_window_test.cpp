@@ -135,7 +135,7 @@ namespace palpation_window_test {
         ASSERT_EQ(through.count(), 2);
         through.setCurrentIndex(1);
         emit through.activated(1);
-        EXPECT_TRUE(until([&] { return window_->reach_text().startsWith("A straight instrument of 8 mm"); }))
+        EXPECT_TRUE(until([&] { return window_->reach_text().startsWith("A straight instrument, 8 mm thick"); }))
             << window_->reach_text().toStdString();
         window_->open(planner::tube_scene());
         test_support::wait_until_idle(*window_);

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Makes the pictures of the documents anew: docs/refresh_pictures.sh [folder of the programs]
 # It plans the demo's patient, palpates an aorta, and photographs the window on a virtual screen (Debian package xvfb);
-# on two cores it takes about seven minutes. window-labels.png, window-conference.png, palpation-wound.png and report-view.png are made by
-# hand.
+# on two cores it takes about seven minutes. window-labels.png, window-conference.png, palpation-wound.png and
+# report-view.png are made by hand.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 programs=$(realpath "${1:-build/release/bin}")

@@ -5543,5 +5543,49 @@
         <source>Inverted elements are errors of the computation.</source>
         <translation>反転した要素は計算の誤りです。</translation>
     </message>
+    <message>
+        <source>The sternum is sawn through.</source>
+        <translation>胸骨を鋸断します。</translation>
+    </message>
+    <message>
+        <source>The %1 lies %2 mm from the blade that cuts.</source>
+        <translation>%1は切る刃から %2 mm にあります。</translation>
+    </message>
+    <message>
+        <source>%1 shows most also when organs or lungs lie otherwise: from %2 % with lungs of %3 % of their volume to %4 % with lungs of %5 % of their volume.</source>
+        <translation>臓器や肺の位置が変わっても%1が最もよく見えます：肺が体積の %3 % で %2 %、%5 % で %4 %。</translation>
+    </message>
+    <message>
+        <source>Prescribed opening between opposite hooks</source>
+        <translation>向かい合う鉤の間の指定開口</translation>
+    </message>
+    <message>
+        <source>Retractor, force and moment per blade</source>
+        <translation>開創器：ブレードごとの力とモーメント</translation>
+    </message>
+    <message>
+        <source>A gap at the border of the region is not a wound.</source>
+        <translation>領域の縁のすき間は創ではありません。</translation>
+    </message>
+    <message>
+        <source>Poisson's ratios are limited to 0.45, because the elements used here are too stiff above this value.</source>
+        <translation>ポアソン比は 0.45 までです。ここで使う要素はそれ以上では硬すぎるためです。</translation>
+    </message>
+    <message>
+        <source>Lungs that an approach holds aside are deflated to 30 % of their volume at their hilum, an assumption; other organs held aside are removed from the view.</source>
+        <translation>アプローチがよける肺は、仮定として肺門で体積の 30 % に虚脱させます。よける他の臓器は視野から除きます。</translation>
+    </message>
+    <message>
+        <source>mediastinal fat</source>
+        <translation>縦隔脂肪</translation>
+    </message>
+    <message>
+        <source>the case keeps no name and no id</source>
+        <translation>症例は氏名も ID も持ちません</translation>
+    </message>
+    <message>
+        <source>spine; the border of the meshed region</source>
+        <translation>脊椎、格子の領域の縁</translation>
+    </message>
 </context>
 </TS>

@@ -14,7 +14,7 @@ namespace retractor::ui {
 namespace {
 
     const QRegularExpression kPlace("%([1-9])");
-    const QRegularExpression kWord("[A-Za-z]{2,}");
+    const QRegularExpression kWord("\\b[A-Za-z]{2,}"); // count() also counts matches that overlap
     /// A number, a name or a file stands in an open place; more words are a sentence that no phrase knows.
     constexpr int kMostWordsInAPlace = 6;
 

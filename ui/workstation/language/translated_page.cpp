@@ -3,10 +3,14 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 
+#include <QRegularExpression>
+#include <QStringList>
+
 #include <algorithm>
 #include <array>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -14,8 +18,37 @@ namespace retractor::ui {
 
 namespace {
 
-    constexpr std::array<std::pair<const char*, const char*>, 5> kEntities { { { "&lt;", "<" }, { "&gt;", ">" },
-        { "&quot;", "\"" }, { "&#39;", "'" }, { "&amp;", "&" } } }; // & last: it begins the others
+    constexpr std::array<std::pair<const char*, const char*>, 7> kEntities { { { "&lt;", "<" }, { "&gt;", ">" },
+        { "&quot;", "\"" }, { "&#39;", "'" }, { "&plusmn;", "\u00b1" }, { "&minus;", "\u2212" },
+        { "&amp;", "&" } } }; // & last: it begins the others
+
+    /// A list of names, each with a number or not, as the tables of a page have it: "heart 16.7 mm, aorta 18.7 mm".
+    /// @returns nothing where one of them is not known
+    std::optional<QString> translated_list(const Phrasebook& book, const QString& english)
+    {
+        static const QRegularExpression number(" -?[0-9.]+ (?:mm|%)$");
+        QStringList said;
+        for (QString part : english.split(", ")) {
+            const QRegularExpressionMatch match = number.match(part);
+            const QString behind = match.captured();
+            part = part.left(part.size() - behind.size()).replace('_', ' ');
+            const QString name = translated(book, part);
+            if (name == part)
+                return std::nullopt;
+            said += name + behind;
+        }
+        return said.join(QString::fromUtf8("\u3001"));
+    }
+
+    QString translated_words(const Phrasebook& book, const QString& english)
+    {
+        const QString begin = english.startsWith(": ") ? ": " : ""; // behind a name in bold letters
+        const QString text = english.mid(begin.size());
+        QString said = translated(book, text);
+        if (said == text)
+            said = translated_list(book, text).value_or(text);
+        return begin + said;
+    }
 
     QString translated_text(const Phrasebook& book, std::string_view text)
     {
@@ -23,7 +56,7 @@ namespace {
         for (const auto& [entity, character] : kEntities)
             plain.replace(entity, character);
         const QString inner = plain.trimmed();
-        const QString said = inner.isEmpty() ? inner : translated(book, inner.simplified());
+        const QString said = inner.isEmpty() ? inner : translated_words(book, inner.simplified());
         if (said == inner.simplified())
             return QString::fromUtf8(text.data(), static_cast<int>(text.size()));
         const int begin = plain.indexOf(inner);

@@ -71,6 +71,31 @@ namespace language_test {
         EXPECT_EQ(translated_page(book, "<script>target", "de"), "<script>target");
     }
 
+    TEST(Phrasebook, TranslatesListsOfNamesOnAPage)
+    {
+        const Phrasebook book
+            = book_of({ { "heart", "Herz" }, { "vena cava", "Hohlvene" }, { "Held: %1.", "Haelt %1." } });
+        EXPECT_EQ(translated_page(book,
+                      "<td>heart 16.7 mm, vena_cava 24.8 mm</td><p>: Held: heart.</p><p>3 &plusmn; 1 hat</p>", "de"),
+            "<td>Herz 16.7 mm\u3001Hohlvene 24.8 mm</td><p>: Haelt Herz.</p><p>3 &plusmn; 1 hat</p>");
+        EXPECT_EQ(translated_page(book, "<td>heart, spleen</td>", "de"), "<td>heart, spleen</td>");
+    }
+
+    TEST(JapaneseReport, IsKnownInItsSentences)
+    {
+        QFile file(":/language/ja.ts");
+        ASSERT_TRUE(file.open(QIODevice::ReadOnly));
+        const Phrasebook book = read_phrasebook(file);
+        for (const char* english : { "Planned surgical fields", "Research software, not a medical device.",
+                 "Force 51 N; mesh: +- 33 N; tissue values: 38 to 71 N; decided by muscle, intercostal.",
+                 "From the jugular notch 4 mm to its start and 197 mm to its end, in a straight line.",
+                 "The joint with the spine that bears most is that of rib 5 on the left, with 6 N and 0.0 N m.",
+                 "Hooks are rigid blades that bear on bone close behind them." })
+            EXPECT_FALSE(translated(book, english).contains(QRegularExpression("[A-Za-z]{4}"))
+                && translated(book, english) == english)
+                << english;
+    }
+
     TEST(Phrasebook, APageThatCannotBeReadIsNamed)
     {
         EXPECT_THROW(translate_page("/no/such/page.html", {}, "de"), IoError);

@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -184,6 +185,48 @@ TEST_F(Batch, PlansWithManyValuesOfStiffness)
     const CommandRun wrong = run("--json plan " + file + " --draft --stiffness nothing=2 --out " + out("wrong"));
     EXPECT_EQ(wrong.exit_code, 2);
     EXPECT_NE(wrong.out.find("--stiffness nothing=2"), std::string::npos) << wrong.out;
+}
+
+TEST_F(Batch, SamplesGoOnAfterAProcessWasKilled)
+{
+    fs::copy(folder / "c", folder / "k", fs::copy_options::recursive);
+    const std::string file = (folder / "k" / "case.json").string(), folder_out = out("killed_samples");
+    ASSERT_EQ(run("approach remove " + file + " --name torn").exit_code, 0);
+    ASSERT_EQ(run("approach remove " + file + " --name straight").exit_code, 0);
+    ASSERT_EQ(run("approach add " + file
+                  + " --points 0,0,-25 0,0,25 --target target --retract cavity --hooks 2 --name straight --opening 6")
+                  .exit_code,
+        0);
+    const pid_t child = ::fork();
+    if (child == 0) {
+        const int nothing = ::open("/dev/null", O_RDWR);
+        ::dup2(nothing, STDOUT_FILENO);
+        ::dup2(nothing, STDERR_FILENO);
+        ::execl(RETRACTOR_PROGRAM, RETRACTOR_PROGRAM, "sensitivity", file.c_str(), "--out", folder_out.c_str(),
+            "--samples", "3", "--seed", "5", "--jobs", "1", static_cast<char*>(nullptr));
+        ::_exit(127);
+    }
+    const fs::path jobs = fs::path(folder_out) / "jobs", first = jobs / "as_planned-straight" / "status.json";
+    for (int n = 0; n < 3000 && !fs::exists(first); ++n)
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    ASSERT_TRUE(fs::exists(first));
+    // Its process plans the first sample.
+    std::ifstream children("/proc/" + std::to_string(child) + "/task/" + std::to_string(child) + "/children");
+    pid_t planning = 0;
+    ASSERT_TRUE(children >> planning);
+    ::kill(planning, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 1) << "one is missing";
+    std::size_t failed = 0;
+    for (const fs::directory_entry& job : fs::directory_iterator(jobs))
+        failed += read(job.path() / "status.json")["state"] == "failed" ? 1 : 0;
+    EXPECT_EQ(failed, 1U) << "the others were planned by another process";
+    const CommandRun again = run("--json sensitivity " + file + " --out " + folder_out + " --samples 3 --seed 5 --jobs 1");
+    EXPECT_EQ(again.exit_code, 0) << again.out;
+    EXPECT_EQ(Json::parse(again.out)["failed"], 0);
+    EXPECT_EQ(Json::parse(again.out)["approaches"][0]["measures"]["hook_force_N"]["samples"], 3);
 }
 
 TEST_F(Batch, RecordsChoicesAndAnswers)

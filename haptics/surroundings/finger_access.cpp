@@ -37,6 +37,10 @@ std::optional<FingerAccess::Hindrance> FingerAccess::hindrance(
 {
     const DistanceGrid& around = *surroundings_.around;
     const double thick = 0.5 * finger_.thickness_mm, thin = std::min(tip_radius_mm, thick);
+    // As deep as the tip presses, the structure gives way to the rod beside it, too.
+    const double pressed = surroundings_.structure != nullptr
+        ? std::max(0.0, tip_radius_mm - surroundings_.structure->distance(tip))
+        : 0.0;
     for (double s = kEveryMm; s <= length_mm; s += kEveryMm) {
         const Vec3 at = tip + s * outward;
         const double share = finger_.taper_mm > 0.0 ? std::min(s / finger_.taper_mm, 1.0) : 1.0;
@@ -44,7 +48,8 @@ std::optional<FingerAccess::Hindrance> FingerAccess::hindrance(
         if (around.distance(at) < std::min(radius, around.farthest_mm()))
             return Hindrance { s, at };
         if (s >= kTipMm && surroundings_.structure != nullptr
-            && surroundings_.structure->distance(at) < std::min(thick, surroundings_.structure->farthest_mm()))
+            && surroundings_.structure->distance(at)
+                < std::min(thick - pressed, surroundings_.structure->farthest_mm()))
             return Hindrance { s, at, true };
     }
     return std::nullopt;
@@ -123,7 +128,7 @@ FingerAccess::Place FingerAccess::towards(
         return best;
     };
     Place begin { allowed, at(allowed, tip_radius_mm, gate) };
-    if (!begin.answer.fits) {
+    if (!begin.answer.fits || !surroundings_.around->contains(allowed)) { // not allowed, or put away
         begin.tip = outside(tip_radius_mm);
         begin.answer = at(begin.tip, tip_radius_mm, gate);
     }

@@ -171,9 +171,12 @@ PalpationSession::~PalpationSession() { stop(); }
 
 void PalpationSession::make_tissue(const PalpationSetup& setup, const Job& job)
 {
+    double radius = fingertip_radius(scene_); // of the thinnest that may touch it
+    for (const ThroughOpening& way : backend_.ways)
+        radius = std::min(radius, fingertip_radius(scene_, way.access.get()));
     const TissueChoice wish { .model = setup.model,
         .fingers = fingers_of(setup.model),
-        .radius_mm = fingertip_radius(scene_),
+        .radius_mm = radius,
         .depth_mm = std::max(setup.press_mm, kLeastPress) };
     if (wish.fingers > pointers_.size())
         throw InputError("there are too few pointers for so many fingers", setup.model);
@@ -484,7 +487,7 @@ void PalpationSession::find_reached()
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
         const auto& [a, b, c] = surface.triangles[t];
         const Vec3 p = surface.vertices.row(a), q = surface.vertices.row(b), r = surface.vertices.row(c);
-        if (inner.contains(place(p)) && inner.contains(place(q)) && inner.contains(place(r)))
+        if (inner.contains(place(p)) || inner.contains(place(q)) || inner.contains(place(r)))
             continue;
         const Vec3 normal = (q - p).cross(r - p);
         const double twice = normal.norm();

@@ -152,7 +152,7 @@ void MainWindow::save_report(const std::filesystem::path& file)
             code = language().toStdString()](const Job& job) {
             if (!write(shown, file, job))
                 return false;
-            if (book != nullptr)
+            if (book != nullptr && !job.cancelled())
                 translate_page(file, *book, code);
             return true;
         });

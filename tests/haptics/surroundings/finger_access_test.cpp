@@ -162,6 +162,17 @@ namespace finger_access_test {
         EXPECT_TRUE(access.at(middle + (kRadius + kTip - 3.0) * Vec3::UnitZ(), kTip).fits) << "it presses";
     }
 
+    TEST(FingerAccess, AHandThatWasPutAwayComesFromOutside)
+    {
+        const FingerAccess access = access_through_slit();
+        const FingerAccess::Place place
+            = access.towards(Vec3(0.0, 0.0, -850.0), Vec3(40.0, 0.0, -10.0), kTip, 0); // into the right lip
+        EXPECT_TRUE(place.answer.fits);
+        EXPECT_GT(place.tip.z(), -10.0);
+        EXPECT_LT((place.tip - Vec3(40.0, 0.0, -10.0)).norm(), 60.0) << "near the hand, not behind the patient";
+        EXPECT_EQ(place.answer.hindrance, 1);
+    }
+
     TEST(FingerAccess, BeginsOutsideWhereItDoesNotFit)
     {
         const FingerAccess access = access_through_slit();

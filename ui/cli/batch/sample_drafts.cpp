@@ -184,9 +184,10 @@ BatchRun run_sample_drafts(const std::vector<SampleDraft>& drafts, const fs::pat
     Rows rows(run, inputs, folder, job);
     job.report("jobs", 0.0);
     std::atomic<bool> broken { false }; ///< a full disk concerns all processes
-    each_on_threads(parts.size(), processes, job, [&](std::size_t p) {
+    const auto plan_part = [&](std::vector<std::size_t> left) {
+        bool opened = false; ///< a draft of this part has ended, so their common opening exists
         bool ended_none = false; ///< the last process of this part
-        for (std::vector<std::size_t> left = parts[p]; !left.empty() && !job.cancelled() && !broken.load();) {
+        while (!left.empty() && !job.cancelled() && !broken.load()) {
             const std::size_t before = left.size();
             Stopwatch since_last;
             bool too_long = false;
@@ -208,18 +209,35 @@ BatchRun run_sample_drafts(const std::vector<SampleDraft>& drafts, const fs::pat
             const ProgramRun process = run_program(words(left), kForever, {}, stop);
             if (failure)
                 std::rethrow_exception(failure);
+            const std::size_t at_end = left.size();
             left = rows.take_ended(left);
+            opened = opened || left.size() < before;
             if (left.empty() || (process.stopped && !too_long))
                 break;
-            // The process ended in the first of the rest. Where two ended before any draft, their common opening fails.
-            const bool again_none = std::exchange(ended_none, left.size() == before) && left.size() == before;
-            const JobFailure reason = too_long ? JobFailure { "took longer than " + in_words(settings.limit_s) + " s" }
-                                               : failure_of(process, settings.limit_s);
-            const bool bad_input = process.exit_code == 2; // of mesh, cut or opening, which all share
-            const std::size_t failed = again_none || bad_input ? left.size() : 1;
-            for (std::size_t n = 0; n < failed; ++n)
+            if (too_long && left.size() < at_end)
+                continue; // it ended just in time
+            // The process ended in the first of the rest. Before any draft has ended, mesh, cut or opening may fail,
+            // which all share: bad input says so, and so do two processes.
+            constexpr int kBadInput = 2;
+            const bool bad_input = !opened && process.exit_code == kBadInput;
+            const bool all_fail = bad_input || (!opened && ended_none);
+            ended_none = left.size() == before;
+            JobFailure reason = too_long ? JobFailure { "took longer than " + in_words(settings.limit_s) + " s" }
+                                         : failure_of(process, settings.limit_s);
+            const std::size_t failed = all_fail ? left.size() : 1;
+            for (std::size_t n = 0; n < failed; ++n) {
                 rows.fail(left[n], reason);
+                reason.lasting = reason.lasting && bad_input; // the others were not tried
+            }
             left.erase(left.begin(), left.begin() + static_cast<std::ptrdiff_t>(failed));
+        }
+    };
+    each_on_threads(parts.size(), processes, job, [&](std::size_t p) {
+        try {
+            plan_part(parts[p]);
+        } catch (...) {
+            broken.store(true); // the other processes end, too
+            throw;
         }
     });
     write_batch_summary(folder, jobs_folder, run.rows);

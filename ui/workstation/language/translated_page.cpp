@@ -18,8 +18,8 @@ namespace retractor::ui {
 
 namespace {
 
-    constexpr std::array<std::pair<const char*, const char*>, 7> kEntities { { { "&lt;", "<" }, { "&gt;", ">" },
-        { "&quot;", "\"" }, { "&#39;", "'" }, { "&plusmn;", "\u00b1" }, { "&minus;", "\u2212" },
+    constexpr std::array<std::pair<const char*, const char*>, 8> kEntities { { { "&lt;", "<" }, { "&gt;", ">" },
+        { "&quot;", "\"" }, { "&#39;", "'" }, { "&plusmn;", "\u00b1" }, { "&#177;", "\u00b1" }, { "&minus;", "\u2212" },
         { "&amp;", "&" } } }; // & last: it begins the others
 
     /// A list of names, each with a number or not, as the tables of a page have it: "heart 16.7 mm, aorta 18.7 mm".

@@ -1,6 +1,7 @@
 #pragma once
 // Distances from surfaces on a regular grid, for questions at every millisecond. Units mm.
 //
+// ITK has a distance transform of images. haptics does without ITK, and needs the nearest triangle's surface, too.
 // Method: exact distances at the grid points next to each triangle, carried from point to point in eight sweeps along
 // the axes, each with the nearest triangle of its neighbour (Danielsson 1980, doi 10.1016/0146-664X(80)90054-4).
 // Error: carried distances may be a little too large, by less than a step. Between grid points the distance is linear,

@@ -1,9 +1,9 @@
 #pragma once
 // Where a straight finger, or the shaft of an instrument, can be through an opening in solid surroundings. Units mm.
 //
-// Either is a round rod that tapers to its tip. It is in a place where the tip, and the rod on a straight way
-// through the opening into the hand, keep clear of all surroundings. Such a finger could have been put in along its own
-// axis, so a place is allowed or not whichever way the finger came. Above the opening the finger stands upright.
+// Either is a round rod, and a finger tapers to its tip. It fits in a place where the tip, and the rod on a straight
+// way through the opening into the hand, keep clear of all surroundings. Such a finger could have been put in along its
+// own axis, so a place is allowed or not whichever way the finger came. Above the opening the finger stands upright.
 
 #include "haptics/surroundings/distance_grid.h"
 #include "mesh/base/geometry.h"

@@ -72,9 +72,8 @@ fem::OpeningOptions opening_options(const SolverSettings& choice);
 /// @param near_mm tissue within this distance of the lips is nonlinear, and linear beyond; 0: the same law everywhere
 /// @param drives empty: the hooks have the displacements of field.problem
 /// @param start a solution of the same wall, without contact or with tissue of other stiffness, or one by four-node
-/// elements that a test ended, from
-/// which the opening begins; nullptr: it begins at rest. Not used with drives, with near_mm, and with contact where a
-/// hook holds nodes: these may collide on their way
+/// elements that a test ended, from which the opening begins; nullptr: it begins at rest. Not used with drives, with
+/// near_mm, and with contact where a hook holds nodes: these may collide on their way
 /// @param goes_on asked between four-node and ten-node elements, where the opening begins with four-node elements;
 /// empty: the opening goes on
 /// @throws as fem::Opening

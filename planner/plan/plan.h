@@ -59,9 +59,9 @@ struct PlanAttempt {
 };
 
 /// Plans one approach once for each set of stiffness. The wall is meshed and cut once. It is opened first with the
-/// stiffness of the case, and each sample begins at this opening (open_wound()). A sample therefore
-/// takes a fraction of the time of plan_approach(). Both end within the same residual and balance of the retractor, so
-/// their forces differ by a few percent (docs/method/elasticity.md).
+/// stiffness of the case, and each sample begins at this opening (open_wound()). A sample therefore takes a fraction of
+/// the time of plan_approach(). Both end within the same residual and balance of the retractor. Their forces differ by
+/// a few percent, or more where lips can slide into several balances (docs/method/elasticity.md).
 /// @param samples an empty one is the case as it is
 /// @param on_planned called with the number of each sample as soon as it is planned: empty ones first, the others in
 /// order

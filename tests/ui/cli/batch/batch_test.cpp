@@ -223,7 +223,8 @@ TEST_F(Batch, SamplesGoOnAfterAProcessWasKilled)
     for (const fs::directory_entry& job : fs::directory_iterator(jobs))
         failed += read(job.path() / "status.json")["state"] == "failed" ? 1 : 0;
     EXPECT_EQ(failed, 1U) << "the others were planned by another process";
-    const CommandRun again = run("--json sensitivity " + file + " --out " + folder_out + " --samples 3 --seed 5 --jobs 1");
+    const CommandRun again
+        = run("--json sensitivity " + file + " --out " + folder_out + " --samples 3 --seed 5 --jobs 1");
     EXPECT_EQ(again.exit_code, 0) << again.out;
     EXPECT_EQ(Json::parse(again.out)["failed"], 0);
     EXPECT_EQ(Json::parse(again.out)["approaches"][0]["measures"]["hook_force_N"]["samples"], 3);

@@ -86,6 +86,7 @@ namespace {
                 balancing_.on_progress = [this](std::string_view, double fraction) {
                     job_.report("opening, balance of the retractor", fraction);
                 };
+            found_.direction_is_held = how.direction_is_held;
             found_.state.distance = drive.distance_mm.value_or(0.0);
             found_.blades = blades_at(frame, found_.state, problem.hooks);
         }
@@ -139,12 +140,21 @@ namespace {
             int halvings = 0;
             double before = std::numeric_limits<double>::infinity();
             best_ = found_;
+            if (how_.hold_without_balance && !how_.direction_is_held)
+                first_ = found_;
             while (found_.imbalance > how_.tolerance || tolerance_ > options_.tolerance) {
                 if (found_.imbalance <= how_.tolerance) {
                     continue_from(found_.opening.displacement);
                     open(found_.state, balancing_, options_.tolerance);
                     if (!is_open())
                         return;
+                    continue;
+                }
+                if (first_ && (found_.openings >= how_.most_openings || turned() > how_.most_turned)) {
+                    hold_direction();
+                    if (!is_open())
+                        return;
+                    before = std::numeric_limits<double>::infinity();
                     continue;
                 }
                 if (found_.openings >= how_.most_openings)
@@ -194,6 +204,26 @@ namespace {
                 found_ = last;
         }
 
+        /// Holds the frame in the direction in which it was placed, and begins at the first opening of the search
+        /// again.
+        /// @pre first_ is set
+        void hold_direction()
+        {
+            how_.direction_is_held = true;
+            how_.most_openings += found_.openings;
+            FrameState state = first_->state;
+            state.rotation = Mat3::Identity();
+            const int openings = found_.openings;
+            found_ = std::move(*first_);
+            first_.reset();
+            found_.direction_is_held = true;
+            found_.openings = openings;
+            has_stiffness_ = false;
+            continue_from(found_.opening.displacement);
+            open(state, balancing_, tolerance_for(1.0));
+            best_ = found_;
+        }
+
         void continue_from(const Points& displacement)
         {
             opening_.start_from(displacement);
@@ -220,7 +250,9 @@ namespace {
         double imbalance() const
         {
             double scale = std::max({ kNoForceN, found_.loads[0].force_N.norm(), found_.loads[1].force_N.norm() });
-            double largest = std::max(forces_.head<3>().norm(), forces_.segment<3>(kFrameRotation).norm());
+            double largest = forces_.head<3>().norm();
+            if (!how_.direction_is_held)
+                largest = std::max(largest, forces_.segment<3>(kFrameRotation).norm());
             for (std::size_t k = 0; k < frame_.size(); ++k) {
                 const double moment = forces_[kFrameTurns + static_cast<Eigen::Index>(k)];
                 const Bounds bounds = bounds_of(k);
@@ -300,7 +332,9 @@ namespace {
 
         std::vector<int> free_unknowns(const std::array<Stop, 2>& stops) const
         {
-            std::vector<int> free { 0, 1, 2, 3, 4, 5 };
+            std::vector<int> free { 0, 1, 2 };
+            if (!how_.direction_is_held)
+                free.insert(free.end(), { kFrameRotation, kFrameRotation + 1, kFrameRotation + 2 });
             for (std::size_t k = 0; k < stops.size(); ++k)
                 if (stops[k] == Stop::free)
                     free.push_back(kFrameTurns + static_cast<int>(k));
@@ -334,12 +368,13 @@ namespace {
             return step;
         }
 
+        double turned() const { return std::abs(Eigen::AngleAxisd(found_.state.rotation).angle()); } ///< rad
+
         /// Why the frame cannot be where it is; empty: it can.
         std::string out_of_range() const
         {
-            if (const double turned = std::abs(Eigen::AngleAxisd(found_.state.rotation).angle());
-                turned > how_.most_turned)
-                return formatted(", and it turns by %.0f degrees", turned * 180.0 / std::numbers::pi);
+            if (turned() > how_.most_turned)
+                return formatted(", and it turns by %.0f degrees", turned() * 180.0 / std::numbers::pi);
             if (found_.opening.strain_p99 > kTornStrain)
                 return formatted(
                     ", but tissue is strained by %.0f %%: tissue tears before", 100.0 * found_.opening.strain_p99);
@@ -382,13 +417,14 @@ namespace {
         RackDrive drive_;
         OpeningOptions options_;
         double energy_tolerance_; ///< of the present opening, where it is not rough
-        FrameOptions how_;
+        FrameOptions how_; ///< changes where the frame must be held
         const Job& job_;
         Job balancing_; ///< the job of all openings after the first: its progress begins again under another name
         double lever_;
         Opening opening_;
         FrameOpening found_;
         FrameOpening best_; ///< of the openings so far, the one nearest to balance
+        std::optional<FrameOpening> first_; ///< where the search begins again when the frame must be held
         FrameVector forces_ = FrameVector::Zero(); ///< generalised forces at the present state
         double tolerance_ = 0.0; ///< residual of the present state, as OpeningOptions::tolerance
         bool has_stiffness_ = false;

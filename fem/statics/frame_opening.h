@@ -1,6 +1,6 @@
 #pragma once
-// Opens a wound with a retractor that nothing but the tissue holds (blade_frame.h). The rack is driven by distance or
-// by force.
+// Opens a wound with a retractor that nothing but the tissue holds, or whose direction a hand holds (blade_frame.h).
+// The rack is driven by distance or by force.
 //
 // The first opening holds the frame where it was placed and moves the blades straight apart. Its forces are seldom in
 // balance: one lip is stiffer, or the bone under a blade is farther to one end. Newton's method then moves the frame
@@ -12,6 +12,10 @@
 //
 // A blade turns freely until its play ends. At the end the arm holds the blade with a moment that only pushes it back.
 // In each step the nine combinations of two blades, each free or at one of its two stops, are tried in turn.
+//
+// A hand, or an arm at the table, may hold the frame in the direction in which it was placed. The frame then drifts and
+// does not tilt, and the resultant moment is what the hand bears. Where a free frame finds no balance, the search can
+// go on with a held one.
 //
 // The answer is a balance, and need not be a stable one: a frame that carries much pressure may tip over.
 //
@@ -41,7 +45,9 @@ struct FrameOptions {
     /// discretisation error of a blade force is ten times larger.
     double tolerance = 1e-3;
     int most_openings = 20; ///< the first one included
-    double most_turned = std::numbers::pi; ///< rad: the search ends where the frame turns further
+    double most_turned = std::numbers::pi; ///< rad: a frame that turns further has no balance
+    bool direction_is_held = false; ///< by a hand or an arm at the table: the frame drifts, and does not tilt
+    bool hold_without_balance = false; ///< a free frame without balance is held, and the search goes on
 };
 
 /// A state from which a further search begins: the answer of other elements, or a place for the frame.
@@ -58,11 +64,13 @@ struct FrameOpening {
     FrameState state;
     std::array<BladeLoad, 2> loads; ///< that the retractor applies to the tissue
     Vec3 residual_force_N = Vec3::Zero(); ///< resultant of the blade forces
-    Vec3 residual_moment_Nmm = Vec3::Zero(); ///< resultant moment about the frame's present centre
+    /// Resultant moment about the frame's present centre; with FrameOptions::direction_is_held what the hand bears.
+    Vec3 residual_moment_Nmm = Vec3::Zero();
     double rack_force_N = 0.0; ///< force along the rack at each blade
     double imbalance = 0.0; ///< as FrameOptions::tolerance
     FrameMatrix stiffness = FrameMatrix::Zero(); ///< of the frame in this tissue, N/mm
     int openings = 0;
+    bool direction_is_held = false; ///< as asked, or because the free frame found no balance
 };
 
 /// Opens the wound with a retractor.

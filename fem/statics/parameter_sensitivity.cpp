@@ -181,7 +181,9 @@ EquilibriumSensitivity with_balanced_frame(
     const FrameMatrix J
         = frame_stiffness(retractor.frame, retractor.state, retractor.loads, sensitivity.response.stiffness, lever);
     const auto B = blades_by_state(retractor.frame, retractor.state, lever);
-    std::vector<int> free { 0, 1, 2, 3, 4, 5 };
+    std::vector<int> free { 0, 1, 2 };
+    if (!retractor.direction_is_held)
+        free.insert(free.end(), { kFrameRotation, kFrameRotation + 1, kFrameRotation + 2 });
     for (std::size_t k = 0; k < retractor.frame.size(); ++k)
         if (std::abs(retractor.state.turn[k]) < retractor.frame[k].play - kAtStop)
             free.push_back(kFrameTurns + static_cast<int>(k));

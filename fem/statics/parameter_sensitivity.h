@@ -79,6 +79,7 @@ struct BalancedFrame {
     FrameState state;
     std::array<BladeLoad, 2> loads; ///< that the retractor applies to the tissue
     bool driven_by_force = false; ///< the rack is driven by force, and its distance changes
+    bool direction_is_held = false; ///< as FrameOpening::direction_is_held: the frame does not tilt
 };
 
 /// A retractor that finds its balance again. A blade at the end of its play stays there.

@@ -165,6 +165,8 @@ namespace {
     /// the forces of its blades, and a seventh of the bar that a plan is asked for.
     constexpr double kTenNodeBalance = 5e-3, kContactBalance = 2e-2;
     constexpr double kStartBalance = 0.1, kStartTolerance = 0.01; ///< of a state from which other elements begin
+    /// A frame that tilts further than 20 degrees is held: no surgeon lets it. Plans of phantoms tilt it by 1 to 7.
+    constexpr double kMostTilted = 0.35; // rad
 
     void set_tolerances(fem::OpeningOptions& options, const fem::ElasticProblem& problem)
     {
@@ -175,12 +177,18 @@ namespace {
         options.energy_tolerance = contact ? kContactEnergyTolerance : 0.0;
     }
 
-    fem::FrameOptions balance_of(const fem::ElasticProblem& problem)
+    /// A retractor that the tissue holds, or a hand where the tissue does not.
+    /// @param direction_is_held a hand holds it from the beginning
+    fem::FrameOptions balance_of(const fem::ElasticProblem& problem, bool direction_is_held = false)
     {
+        fem::FrameOptions how {
+            .most_turned = kMostTilted, .direction_is_held = direction_is_held, .hold_without_balance = true
+        };
         if (!problem.blades.empty())
-            return { .tolerance = kContactBalance };
-        return problem.mesh.nodes_per_tet == 10 ? fem::FrameOptions { .tolerance = kTenNodeBalance }
-                                                : fem::FrameOptions {};
+            how.tolerance = kContactBalance;
+        else if (problem.mesh.nodes_per_tet == 10)
+            how.tolerance = kTenNodeBalance;
+        return how;
     }
 
     /// A displacement at the corners of ten-node elements, and its means at their midpoints.
@@ -334,6 +342,7 @@ namespace {
             .stiffness = found.stiffness,
             .residual_force_N = found.residual_force_N.norm(),
             .residual_moment_Nmm = found.residual_moment_Nmm.norm(),
+            .direction_is_held = found.direction_is_held,
             .rack_force_N = found.rack_force_N,
             .openings = found.openings };
         opened.opening = std::move(found.opening);
@@ -346,12 +355,11 @@ namespace {
     std::optional<fem::FrameStart> linear_start(
         const fem::ElasticProblem& held, const fem::BladeFrame& frame, const fem::RackDrive& drive, const Job& job)
     {
-        constexpr double kMostTurned = 0.35; // rad
         const fem::OpeningOptions linear { .elasticity = fem::Elasticity::linear };
         const fem::FrameOpening found = fem::open_with_frame(
-            held, frame, drive, linear, { .tolerance = kStartBalance, .most_turned = kMostTurned }, job);
+            held, frame, drive, linear, { .tolerance = kStartBalance, .most_turned = kMostTilted }, job);
         if (found.opening.status == fem::OpeningStatus::cancelled
-            || std::abs(Eigen::AngleAxisd(found.state.rotation).angle()) > kMostTurned)
+            || std::abs(Eigen::AngleAxisd(found.state.rotation).angle()) > kMostTilted)
             return std::nullopt;
         return fem::FrameStart { .state = found.state, .displacement = {}, .stiffness = {} };
     }
@@ -359,24 +367,28 @@ namespace {
     /// Opens four-node elements with a retractor. Blades in contact begin where the retractor is in balance with blades
     /// that hold the tissue: a frame that has not turned with its wound yet presses with many times the force.
     fem::FrameOpening open_four_node(const fem::ElasticProblem& problem, const PlannedField& field,
-        const fem::RackDrive& drive, const fem::OpeningOptions& options, const fem::FrameOptions& how, const Job& job)
+        const fem::RackDrive& drive, const fem::OpeningOptions& options, fem::FrameOptions how, const Job& job)
     {
         const fem::BladeFrame frame = blade_frame_of(field.approach);
         if (problem.blades.empty() && options.elasticity == fem::Elasticity::linear)
             return fem::open_with_frame(problem, frame, drive, options, how, job);
         const fem::ElasticProblem hold = problem.blades.empty() ? problem : holding_hooks(problem, field);
         const std::optional<fem::FrameStart> linear
-            = linear_start(hold, frame, drive, as_stage(job, "opening, linear"));
+            = how.direction_is_held ? std::nullopt : linear_start(hold, frame, drive, as_stage(job, "opening, linear"));
         if (problem.blades.empty())
             return fem::open_with_frame(problem, frame, drive, options, how, job, linear);
         const Job named = as_stage(job, "opening, blades that hold");
         fem::FrameOptions roughly = how;
         roughly.tolerance = std::max(kStartBalance, how.tolerance);
+        roughly.hold_without_balance = false;
         fem::OpeningOptions rough = options;
         rough.tolerance = std::max(kStartTolerance, options.tolerance);
         const fem::FrameOpening held = fem::open_with_frame(hold, frame, drive, rough, roughly, named, linear);
-        if (held.opening.status == fem::OpeningStatus::cancelled || !is_usable(held.opening))
+        if (held.opening.status == fem::OpeningStatus::cancelled || !is_usable(held.opening)) {
+            if (held.opening.status == fem::OpeningStatus::not_converged)
+                how.direction_is_held = true; // blades that slip would tilt as well
             return fem::open_with_frame(problem, frame, drive, options, how, job);
+        }
         fem::ElasticProblem placed = problem;
         placed.hooks = fem::blades_at(frame, held.state, problem.hooks);
         return fem::open_with_frame(problem, frame, drive, options, how, job,
@@ -392,8 +404,10 @@ namespace {
         const fem::FrameOptions& how, const Job& job)
     {
         if (start != nullptr && start->retractor && start->coarse) {
-            fem::FrameOpening found = fem::open_with_frame(problem, blade_frame_of(field.approach), drive, options, how,
-                job, fem::FrameStart { start->retractor->state, start->coarse->displacement, {} });
+            fem::FrameOptions as_start = how;
+            as_start.direction_is_held = start->retractor->direction_is_held;
+            fem::FrameOpening found = fem::open_with_frame(problem, blade_frame_of(field.approach), drive, options,
+                as_start, job, fem::FrameStart { start->retractor->state, start->coarse->displacement, {} });
             if (is_usable(found.opening) || found.opening.status == fem::OpeningStatus::cancelled)
                 return found;
         }
@@ -412,9 +426,10 @@ namespace {
         if (problem.mesh.nodes_per_tet != 10 || options.elasticity == fem::Elasticity::linear)
             return take_retractor(
                 opened, frame, open_four_node(problem, field, drive, options, balance_of(problem), job));
-        const fem::FrameOptions how = balance_of(problem);
+        fem::FrameOptions how = balance_of(problem), roughly = how;
+        roughly.tolerance = kStartBalance;
         fem::FrameOpening coarse = open_four_node_from(start_of_four_node, fem::without_midpoints(problem), field,
-            drive, options, { .tolerance = kStartBalance }, as_stage(job, "opening, four-node elements"));
+            drive, options, roughly, as_stage(job, "opening, four-node elements"));
         if (coarse.opening.status == fem::OpeningStatus::cancelled)
             return take_retractor(opened, frame, std::move(coarse));
         if (is_usable(coarse.opening) && goes_on && !goes_on(coarse.opening)) {
@@ -427,6 +442,7 @@ namespace {
         if (!problem.blades.empty() && !is_usable(coarse.opening))
             return take_retractor(opened, frame, std::move(coarse)); // contact does not converge from rest
         std::optional<fem::FrameStart> start;
+        how.direction_is_held = is_usable(coarse.opening) && coarse.direction_is_held;
         if (is_usable(coarse.opening))
             start = fem::FrameStart { coarse.state, at_midpoints(problem.mesh, coarse.opening.displacement) };
         fem::FrameOpening fine = fem::open_with_frame(problem, frame, drive, options, how, job, start);
@@ -454,7 +470,8 @@ namespace {
             const PlacedRetractor& retractor = *start.retractor;
             take_retractor(opened, retractor.frame,
                 fem::open_with_frame(problem, retractor.frame, rack_drive_of(*field.approach.retractor), options,
-                    balance_of(problem), job, fem::FrameStart { retractor.state, from, retractor.stiffness }));
+                    balance_of(problem, retractor.direction_is_held), job,
+                    fem::FrameStart { retractor.state, from, retractor.stiffness }));
             return;
         }
         fem::Opening opening(problem, options);
@@ -545,7 +562,8 @@ OpenedWall reopen_wall(
                              .toRotationMatrix();
         const fem::RackDrive drive { .distance_mm = state.distance };
         take_retractor(opened, field.retractor->frame,
-            fem::open_with_frame(problem, field.retractor->frame, drive, options, balance_of(problem), named,
+            fem::open_with_frame(problem, field.retractor->frame, drive, options,
+                balance_of(problem, field.retractor->direction_is_held), named,
                 fem::FrameStart { state, std::move(start), field.retractor->stiffness }));
     } else {
         for (fem::HookPatch& hook : opened.hooks)

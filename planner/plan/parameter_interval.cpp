@@ -151,7 +151,8 @@ namespace {
                 { .frame = field.retractor->frame,
                     .state = field.retractor->state,
                     .loads = field.retractor->loads,
-                    .driven_by_force = field.approach.retractor->force_N.has_value() });
+                    .driven_by_force = field.approach.retractor->force_N.has_value(),
+                    .direction_is_held = field.retractor->direction_is_held });
         const std::vector<fem::HookDrive> drives = drives_of(field.approach);
         if (drives.empty())
             return fem::with_held_hooks(problem, sensitivity);

@@ -318,6 +318,54 @@ namespace frame_opening_test {
         EXPECT_LE(ended.imbalance, at_rest.imbalance);
     }
 
+    TEST(FrameOpening, AHeldFrameDriftsAndDoesNotTilt)
+    {
+        const FramedBlock block;
+        for (const RackDrive& drive : { RackDrive { .distance_mm = kOpeningMm }, RackDrive { .force_N = 1.0 } }) {
+            const FrameOpening held
+                = block.open(drive, kExactOpening, { .tolerance = 1e-6, .direction_is_held = true });
+            ASSERT_EQ(held.opening.status, OpeningStatus::converged) << held.opening.message;
+            EXPECT_TRUE(held.direction_is_held);
+            EXPECT_TRUE(held.state.rotation.isIdentity(kRoundOff));
+            EXPECT_GT(held.state.translation.norm(), 0.01) << "the beds of the two ends differ";
+            const double force = blade_force(held);
+            // Independently of the frame: the nodal forces at the nodes where they are.
+            const Vec3 centre = frame_centre(block.frame) + held.state.translation;
+            Vec3 resultant = Vec3::Zero(), moment = Vec3::Zero();
+            for (const HookPatch& blade : held.blades)
+                for (const VertexId v : blade.nodes) {
+                    const Vec3 f = held.opening.hook_nodal_forces_N.segment<3>(3 * static_cast<Eigen::Index>(v));
+                    const Vec3 x = (block.problem.mesh.vertices.row(v) + held.opening.displacement.row(v)).transpose();
+                    resultant += f;
+                    moment += (x - centre).cross(f);
+                }
+            EXPECT_LT(resultant.norm(), kSame * force);
+            EXPECT_GT(moment.norm(), 0.0);
+            EXPECT_LT((moment - held.residual_moment_Nmm).norm(), kSame * moment.norm());
+        }
+    }
+
+    TEST(FrameOpening, AFreeFrameWithoutBalanceIsHeldWhereThisIsAsked)
+    {
+        const FramedBlock block;
+        const RackDrive drive { .distance_mm = kOpeningMm };
+        const double free_turn = Eigen::AngleAxisd(block.open(drive).state.rotation).angle();
+        const FrameOpening held = block.open(drive, kExactOpening, { .tolerance = 1e-6, .direction_is_held = true });
+        const FrameOpening found = block.open(
+            drive, kExactOpening, { .tolerance = 1e-6, .most_turned = 0.1 * free_turn, .hold_without_balance = true });
+        ASSERT_EQ(found.opening.status, OpeningStatus::converged) << found.opening.message;
+        EXPECT_TRUE(found.direction_is_held);
+        EXPECT_TRUE(found.state.rotation.isIdentity(kRoundOff));
+        EXPECT_LT((found.state.translation - held.state.translation).norm(), kSame * kOpeningMm);
+        EXPECT_LT(
+            (found.residual_moment_Nmm - held.residual_moment_Nmm).norm(), 1e-3 * held.residual_moment_Nmm.norm());
+        EXPECT_GT(found.openings, held.openings);
+        // A free frame in balance stays free.
+        const FrameOpening free = block.open(drive, kExactOpening, { .tolerance = 1e-6, .hold_without_balance = true });
+        EXPECT_FALSE(free.direction_is_held);
+        EXPECT_NEAR(Eigen::AngleAxisd(free.state.rotation).angle(), free_turn, kRoundOff);
+    }
+
     TEST(FrameOpening, BadInputIsNamed)
     {
         const FramedBlock good;

@@ -253,8 +253,8 @@ namespace parameter_sensitivity_test {
     {
         const ElasticProblem block = test_support::hooked_block(2, 4);
         constexpr double kPlay = 30.0 * std::numbers::pi / 180.0;
-        // Blades that turn freely, and blades without play.
-        for (const double play : { kPlay, 0.0 }) {
+        // Blades that turn freely, blades without play, and blades without play on a frame whose direction is held.
+        for (const auto& [play, held] : { std::pair(kPlay, false), std::pair(0.0, false), std::pair(0.0, true) }) {
             BladeFrame frame;
             frame[0]
                 = { .pivot = Vec3(15.0, 20.0, 30.0), .arm = Vec3::UnitY(), .outward = -Vec3::UnitX(), .play = play };
@@ -262,8 +262,9 @@ namespace parameter_sensitivity_test {
                 = { .pivot = Vec3(45.0, 20.0, 30.0), .arm = Vec3::UnitY(), .outward = Vec3::UnitX(), .play = play };
             for (const RackDrive& drive : { RackDrive { .distance_mm = 6.0 }, RackDrive { .force_N = 1.0 } }) {
                 const OpeningOptions options { .elasticity = Elasticity::corotational, .tolerance = 1e-8 };
-                const auto open = [&](const ElasticProblem& problem) {
-                    FrameOpening opened = open_with_frame(problem, frame, drive, options, { .tolerance = 1e-6 });
+                const auto open = [&, is_held = held](const ElasticProblem& problem) {
+                    FrameOpening opened = open_with_frame(
+                        problem, frame, drive, options, { .tolerance = 1e-6, .direction_is_held = is_held });
                     EXPECT_EQ(opened.opening.status, OpeningStatus::converged) << opened.opening.message;
                     return opened;
                 };
@@ -277,7 +278,8 @@ namespace parameter_sensitivity_test {
                     { .frame = frame,
                         .state = opened.state,
                         .loads = opened.loads,
-                        .driven_by_force = drive.force_N.has_value() });
+                        .driven_by_force = drive.force_N.has_value(),
+                        .direction_is_held = held });
                 const double force = packed(opened.opening.hook_forces_N).norm();
                 for (std::size_t p = 0; p < parameters.size(); ++p) {
                     const auto column = static_cast<Eigen::Index>(p);

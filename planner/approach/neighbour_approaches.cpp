@@ -273,8 +273,11 @@ namespace {
 
 } // namespace
 
-std::vector<NeighbourApproach> neighbours_of(Patient& patient, const Approach& approach)
+std::vector<NeighbourApproach> neighbours_of(Patient& patient, const Approach& asked)
 {
+    Approach approach = asked;
+    if (approach.retractor) // of a planned field, whose hooks are the blades
+        approach.hooks.clear();
     std::vector<NeighbourApproach> neighbours;
     if (kind_of(approach) == "median")
         return neighbours;

@@ -24,7 +24,9 @@ struct NeighbourApproach {
 /// Template, length, division, target, views and what opens the wound are those of the approach. An incision that was
 /// drawn is moved to the same angles of the other space. An incision that follows no space has neighbours along itself
 /// only, a hemisternotomy in the spaces above and below only, and a median sternotomy has none.
-/// Labels without landmarks have no spaces. @throws InputError, IoError as Patient::labels() does
-std::vector<NeighbourApproach> neighbours_of(Patient& patient, const Approach& approach);
+/// Labels without landmarks have no spaces.
+/// @param asked of the case, or of a planned field, whose hooks are the blades of its retractor
+/// @throws InputError, IoError as Patient::labels() does
+std::vector<NeighbourApproach> neighbours_of(Patient& patient, const Approach& asked);
 
 } // namespace retractor::planner

@@ -389,11 +389,19 @@ namespace {
         return reported;
     }
 
+    /// The approach of a field as the case has it. A plan adds strokes of the division and places of bearing.
+    const planner::Approach& asked_approach(const planner::Case& planned_case, const planner::PlannedField& field)
+    {
+        const auto asked = std::ranges::find(planned_case.approaches, field.approach.name, &planner::Approach::name);
+        return asked != planned_case.approaches.end() ? *asked : field.approach;
+    }
+
     std::vector<planner::ReportNeighbour> report_neighbours(
-        planner::Patient& patient, const std::vector<planner::PlannedField>& fields, const planner::Approach& approach)
+        planner::Patient& patient, const std::vector<planner::PlannedField>& fields, const planner::PlannedField& field)
     {
         std::vector<planner::ReportNeighbour> reported;
         try {
+            const planner::Approach& approach = asked_approach(patient.planned_case(), field);
             for (planner::NeighbourApproach& neighbour : planner::neighbours_of(patient, approach))
                 reported.push_back(report_neighbour(patient.planned_case(), fields, std::move(neighbour)));
         } catch (const Error& error) { // the page is written without what cannot be read
@@ -444,7 +452,7 @@ void write_field_report(const std::filesystem::path& file, planner::Patient& pat
             report.fields.push_back(field.metrics);
             report.divided_bones.push_back(planner::divided_bones(*labels, field.approach));
             report.landmarks.push_back(planner::theatre_sentences(patient, field.approach));
-            report.neighbours.push_back(report_neighbours(patient, fields, field.approach));
+            report.neighbours.push_back(report_neighbours(patient, fields, field));
         }
     report.pictures = pictures;
     try {

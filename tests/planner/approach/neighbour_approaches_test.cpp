@@ -4,6 +4,7 @@
 #include "planner/approach/approach_draft.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/approach/intercostal_space.h"
+#include "planner/approach/retractors.h"
 #include "tests/support/block_case.h"
 #include "tests/support/synthetic_chest.h"
 
@@ -81,6 +82,21 @@ namespace neighbour_approaches_test {
             EXPECT_NEAR((middle_of(*neighbours[2].approach) - middle_of(approach)).norm(), kNeighbourStepMm, 1.5);
             EXPECT_LT(middle_of(*neighbours[2].approach).y(), middle_of(approach).y()) << "the front is at -y";
             EXPECT_GT(middle_of(*neighbours[3].approach).y(), middle_of(approach).y());
+        }
+    }
+
+    TEST(NeighbourApproaches, OfAPlannedFieldHaveItsRetractorAndNotItsBlades)
+    {
+        const Approach asked = opened_by(from_template("intercostal:4"), { .retractor = "midcab", .opening_mm = 20.0 });
+        Approach planned = asked;
+        planned.hooks = blades_of(asked);
+        const std::vector<NeighbourApproach> neighbours = neighbours_of(patient(), planned);
+        ASSERT_EQ(neighbours.size(), 4U);
+        for (const NeighbourApproach& neighbour : neighbours) {
+            ASSERT_TRUE(neighbour.approach) << neighbour.where << ": " << neighbour.refused;
+            EXPECT_EQ(neighbour.approach->retractor->kind, "midcab");
+            EXPECT_TRUE(neighbour.approach->hooks.empty());
+            EXPECT_NO_THROW(check_approach(*neighbour.approach));
         }
     }
 

@@ -35,6 +35,9 @@ struct SearchLimits {
 /// Openings that a plan can compute on most patients, mm. Surgeons may open wider.
 inline constexpr double kSternumOpeningMm = 40.0, kRibOpeningMm = 30.0;
 
+/// With the rays before and the picture after, a search on two cores ends within five minutes.
+inline constexpr double kDraftTimeS = 260.0;
+
 struct SearchRequest {
     TargetSpec target;
     SearchLimits limits {};
@@ -47,6 +50,8 @@ struct SearchRequest {
     std::vector<std::string> retracted {}; ///< organs held aside besides lungs, pericardium and fat of the mediastinum
     bool anywhere = false; ///< straight lines on the skin instead of spaces and sternum
     unsigned seed = 0;
+    /// Time for the draft plans, s. Incisions that are not planned by then are named. Not set: all the time they need.
+    std::optional<double> draft_s = kDraftTimeS;
 };
 
 /// An incision that was tried.

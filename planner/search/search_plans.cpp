@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "mesh/base/time_limit.h"
 #include "planner/approach/approach_draft.h"
 #include "planner/approach/divided_bones.h"
 #include "planner/case/case_io.h"
@@ -11,12 +12,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace retractor::planner {
 
 namespace {
 
+    const std::string kTimeIsOver = ": not planned, the time for drafts was over";
     constexpr double kNarrowerShare = 2.0 / 3.0; ///< of the opening, in the second round
 
     std::vector<FoundIncision> best_of(std::vector<FoundIncision> found, std::size_t count)
@@ -54,6 +57,10 @@ namespace {
     {
         for (std::size_t n = 0; n < fields.size(); ++n) {
             Proposal& proposal = proposals[n];
+            if (fields[n].status == PlanStatus::cancelled || fields[n].exposure.status == ExposureStatus::cancelled) {
+                round.plans.failed.push_back(proposal.words + kTimeIsOver);
+                continue;
+            }
             if (const std::string why = objection(fields[n], search, least_seen); !why.empty()) {
                 round.plans.failed.push_back(proposal.words + ": " + why);
                 if (!is_measured(fields[n]) || !why_not_to_use(fields[n].metrics).empty())
@@ -77,7 +84,13 @@ namespace {
     /// Plans all approaches. One that cannot be planned does not stop the others: its message tells why.
     std::vector<PlannedField> plans_of(Patient& patient, const Job& job, const PlanChecks& checks)
     {
-        std::vector<PlanAttempt> attempts = plan_each(patient, job, checks);
+        std::vector<PlanAttempt> attempts(patient.planned_case().approaches.size());
+        static_cast<void>(patient.labels()); // a cancelled job may read none, and nothing can be planned without
+        if (job.cancelled())
+            for (PlanAttempt& attempt : attempts)
+                attempt.field.status = PlanStatus::cancelled;
+        else
+            attempts = plan_each(patient, job, checks);
         std::vector<PlannedField> fields;
         for (std::size_t n = 0; n < attempts.size(); ++n) {
             if (!attempts[n].failure.empty()) {
@@ -97,10 +110,7 @@ namespace {
         check_plan(group, checks);
         Patient patient(group, job);
         std::vector<PlannedField> fields = plans_of(patient, job, checks);
-        if (job.cancelled())
-            round.plans.status = SearchStatus::cancelled;
-        else
-            add_plans(round, std::move(proposals), std::move(fields), patient, search, least_seen);
+        add_plans(round, std::move(proposals), std::move(fields), patient, search, least_seen);
     }
 
     void add_drafts(Round& round, const Case& planned_case, std::vector<Proposal> proposals,
@@ -204,23 +214,32 @@ SearchPlans draft_plans(const Case& planned_case, const std::vector<Proposal>& p
     Round round;
     SearchPlans& plans = round.plans;
     const double least_seen = request.limits.least_seen;
-    for (std::size_t n = 0; n < kRounds && plans.best_first.empty() && plans.status == SearchStatus::done; ++n) {
+    std::optional<TimeLimit> limit;
+    if (request.draft_s)
+        limit.emplace(job, *request.draft_s);
+    const Job& drafting = limit ? limit->job() : job;
+    for (std::size_t n = 0; n < kRounds && plans.best_first.empty(); ++n) {
         const std::size_t first = std::min(n * at_a_time, proposals.size()),
                           last = std::min(first + at_a_time, proposals.size());
         if (first == last)
             break;
         add_drafts(round, planned_case,
             { proposals.begin() + std::ptrdiff_t(first), proposals.begin() + std::ptrdiff_t(last) }, search, least_seen,
-            job);
-        if (plans.status == SearchStatus::cancelled)
+            drafting);
+        if (drafting.cancelled()) {
+            plans.failed.push_back("the best opened less wide, or by another retractor" + kTimeIsOver);
             break;
+        }
         std::vector<Proposal> second = narrower(round, request);
         for (Proposal& proposal : by_another_retractor(round, request))
             second.push_back(std::move(proposal));
         if (!second.empty())
-            add_drafts(round, planned_case, std::move(second), search, least_seen, job);
+            add_drafts(round, planned_case, std::move(second), search, least_seen, drafting);
         round.unsolved.clear();
+        if (drafting.cancelled())
+            break;
     }
+    plans.status = job.cancelled() ? SearchStatus::cancelled : SearchStatus::done;
     sort_by_score(plans, request.weights);
     return std::move(plans);
 }
@@ -234,6 +253,7 @@ SearchPlans full_plans(const Case& planned_case, const SearchPlans& drafts, cons
     const Case group = case_with(planned_case, best);
     Round round;
     add_planned(round, group, std::move(best), { .find_region = true }, search, request.limits.least_seen, job);
+    round.plans.status = job.cancelled() ? SearchStatus::cancelled : SearchStatus::done;
     sort_by_score(round.plans, request.weights);
     return std::move(round.plans);
 }

@@ -41,7 +41,8 @@ struct [[nodiscard]] SearchPlans {
 };
 
 /// Draft plans of the first proposals, of the two best opened less wide and of the best opened by another retractor,
-/// because what an opening costs is known only then. Where none of these can be proposed, the next ones follow.
+/// because what an opening costs is known only then. Where none of these can be proposed, the next ones follow. What is
+/// not planned within SearchRequest::draft_s is among SearchPlans::failed.
 /// @throws InputError as check_plan() does
 SearchPlans draft_plans(const Case& planned_case, const std::vector<Proposal>& proposals, std::size_t at_a_time,
     const IncisionSearch& search, const SearchRequest& request, const Job& job = {});

@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "planner/search/found_approach.h"
+#include "planner/search/search_plans.h"
 #include "tests/support/block_case.h"
 #include "tests/support/label_shapes.h"
 #include "tests/support/synthetic_chest.h"
@@ -12,6 +13,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
 namespace retractor::planner {
 namespace incision_search_test {
@@ -65,6 +67,32 @@ namespace incision_search_test {
             EXPECT_GT(std::abs(along.dot(Vec3(std::cos(kTurn), std::sin(kTurn), 0.0))), std::cos(0.2)) << seed;
             EXPECT_GT(search.tried.size(), 500U);
         }
+    }
+
+    TEST(IncisionSearch, DraftsEndWhenTheirTimeIsOverAndSayWhatIsMissing)
+    {
+        SearchRequest request;
+        request.target = { .label = {}, .centre = Vec3(kWindow.x(), kWindow.y(), 2.0), .radius_mm = 30.0 };
+        request.limits.shortest_mm = request.limits.longest_mm = kWindowLength;
+        request.opening_mm = 12.0;
+        request.hooks = "2";
+        request.anywhere = true;
+        const IncisionSearch search = search_incisions(plate(), request);
+        std::vector<std::string> refused;
+        const std::vector<Proposal> proposals = proposals_of(plate(), search, request, 2, refused);
+        ASSERT_FALSE(proposals.empty()) << (refused.empty() ? "" : refused.front());
+        request.draft_s = 0.0;
+        const SearchPlans late = draft_plans(plate().planned_case(), proposals, 2, search, request);
+        EXPECT_EQ(late.status, SearchStatus::done) << "nobody has cancelled it";
+        EXPECT_TRUE(late.best_first.empty());
+        ASSERT_FALSE(late.failed.empty());
+        for (const std::string& why : late.failed)
+            EXPECT_TRUE(why.ends_with("the time for drafts was over")) << why;
+        request.draft_s.reset();
+        const SearchPlans plans = draft_plans(plate().planned_case(), proposals, 2, search, request);
+        EXPECT_FALSE(plans.best_first.empty() && plans.failed.empty());
+        for (const std::string& why : plans.failed)
+            EXPECT_FALSE(why.ends_with("the time for drafts was over")) << why;
     }
 
     // ---- a chest ---------------------------------------------------------------------------------------------------

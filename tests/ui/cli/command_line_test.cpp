@@ -317,7 +317,7 @@ TEST_F(CommandLine, SearchProposesKeepsAndDrawsIncisions)
     const std::string file = (copy / "case.json").string();
     const std::string search = "--json search " + file
         + " --anywhere --retract cavity --length 40-60 --hooks 2 "
-          "--opening 20 --drafts 2 ";
+          "--opening 20 --drafts 2 --draft-time 0 ";
     const CommandRun found = run(search + "--keep --out " + out("search"));
     ASSERT_EQ(found.exit_code, 0) << found.out;
     const Json document = found.json();

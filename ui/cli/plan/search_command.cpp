@@ -45,6 +45,7 @@ namespace {
         double least_seen_percent = 100.0 * planner::SearchLimits {}.least_seen;
         unsigned seed = 0;
         std::size_t drafts = 5;
+        double draft_s = planner::kDraftTimeS;
         bool anywhere = false, no_saw = false, full = false, keep = false;
     };
 
@@ -76,6 +77,7 @@ namespace {
         request.sizing = patient.planned_case().sizing;
         request.anywhere = options.anywhere;
         request.seed = options.seed;
+        request.draft_s = options.draft_s > 0.0 ? std::optional(options.draft_s) : std::nullopt;
         return request;
     }
 
@@ -303,6 +305,11 @@ void add_search_command(Commands& commands)
         ->delimiter(',');
     command->add_option("--drafts", options->drafts, "Number of incisions that are planned as drafts")
         ->check(CLI::Range(1, 40))
+        ->capture_default_str();
+    command
+        ->add_option("--draft-time", options->draft_s,
+            "Time for the drafts, s; what is not planned by then is named. 0: all the time that they need")
+        ->check(in_range(0.0, 1e6))
         ->capture_default_str();
     command->add_flag(
         "--full", options->full, "Then plan the best five on one mesh each, with the case's elements and error bars");

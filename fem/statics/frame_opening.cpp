@@ -137,55 +137,63 @@ namespace {
 
         void balance()
         {
-            int halvings = 0;
-            double before = std::numeric_limits<double>::infinity();
             best_ = found_;
             if (how_.hold_without_balance && !how_.direction_is_held)
                 first_ = found_;
-            while (found_.imbalance > how_.tolerance || tolerance_ > options_.tolerance) {
-                if (found_.imbalance <= how_.tolerance) {
+            while (!is_in_balance()) {
+                const std::string why = out_of_range();
+                if (!why.empty() || found_.openings >= how_.most_openings) {
+                    if (!first_)
+                        return fail(why);
+                    hold_direction();
+                } else if (found_.imbalance <= how_.tolerance) {
                     continue_from(found_.opening.displacement);
                     open(found_.state, balancing_, options_.tolerance);
-                    if (!is_open())
-                        return;
-                    continue;
-                }
-                if (first_ && (found_.openings >= how_.most_openings || turned() > how_.most_turned)) {
-                    hold_direction();
-                    if (!is_open())
-                        return;
-                    before = std::numeric_limits<double>::infinity();
-                    continue;
-                }
-                if (found_.openings >= how_.most_openings)
-                    return fail("");
-                if (const std::string why = out_of_range(); !why.empty())
-                    return fail(why);
-                if (found_.imbalance < best_.imbalance)
-                    best_ = found_;
-                if (!has_stiffness_ || was_cut_ || found_.imbalance > good_step() * before)
-                    linearise();
-                before = found_.imbalance;
-                const FrameVector step = next_step();
-                const FrameOpening last = found_;
-                const FrameVector forces = forces_;
-                double share = 1.0;
-                for (;;) {
-                    continue_from(last.opening.displacement);
-                    open(moved_by(last.state, share * step, lever_), balancing_, tolerance_for(last.imbalance));
-                    if (is_open() || found_.opening.status == OpeningStatus::cancelled)
-                        break;
-                    if (++halvings > kMostHalvings || found_.openings >= how_.most_openings)
+                } else if (!step()) {
+                    if (!first_)
                         return end_with_best();
-                    share *= 0.5;
+                    hold_direction();
                 }
                 if (!is_open())
                     return;
-                was_cut_ = was_cut_ || share < 1.0;
-                update(share * step, forces_ - forces);
             }
             turn_elements_back();
             found_.opening.message += formatted("; the retractor is in balance after %d opening(s)", found_.openings);
+        }
+
+        /// A frame that is to be held where it turns too far is not in balance there.
+        bool is_in_balance() const
+        {
+            return found_.imbalance <= how_.tolerance && tolerance_ <= options_.tolerance
+                && !(first_ && turned() > how_.most_turned);
+        }
+
+        /// Moves the frame to the predicted balance, or a part of the way where the tissue has no equilibrium farther
+        /// on.
+        /// @returns false where it has none on the way
+        bool step()
+        {
+            if (found_.imbalance < best_.imbalance)
+                best_ = found_;
+            if (!has_stiffness_ || was_cut_ || found_.imbalance > good_step() * before_)
+                linearise();
+            before_ = found_.imbalance;
+            const FrameVector step = next_step();
+            const FrameOpening last = found_;
+            const FrameVector forces = forces_;
+            for (double share = 1.0;; share *= 0.5) {
+                continue_from(last.opening.displacement);
+                open(moved_by(last.state, share * step, lever_), balancing_, tolerance_for(last.imbalance));
+                if (found_.opening.status == OpeningStatus::cancelled)
+                    return true;
+                if (is_open()) {
+                    was_cut_ = was_cut_ || share < 1.0;
+                    update(share * step, forces_ - forces);
+                    return true;
+                }
+                if (++halvings_ > kMostHalvings || found_.openings >= how_.most_openings)
+                    return false;
+            }
         }
 
         /// Elements may still be turned over where the energy has settled: further steps turn some of them back.
@@ -219,6 +227,8 @@ namespace {
             found_.direction_is_held = true;
             found_.openings = openings;
             has_stiffness_ = false;
+            before_ = std::numeric_limits<double>::infinity();
+            halvings_ = 0;
             continue_from(found_.opening.displacement);
             open(state, balancing_, tolerance_for(1.0));
             best_ = found_;
@@ -427,6 +437,8 @@ namespace {
         std::optional<FrameOpening> first_; ///< where the search begins again when the frame must be held
         FrameVector forces_ = FrameVector::Zero(); ///< generalised forces at the present state
         double tolerance_ = 0.0; ///< residual of the present state, as OpeningOptions::tolerance
+        double before_ = std::numeric_limits<double>::infinity(); ///< imbalance before the last step
+        int halvings_ = 0; ///< of all steps
         bool has_stiffness_ = false;
         bool was_cut_ = false; ///< the last step ended before the predicted balance
     };

@@ -45,7 +45,7 @@ struct FrameOptions {
     /// discretisation error of a blade force is ten times larger.
     double tolerance = 1e-3;
     int most_openings = 20; ///< the first one included
-    double most_turned = std::numbers::pi; ///< rad: a frame that turns further has no balance
+    double most_turned = std::numbers::pi; ///< rad: the search ends where the frame turns further
     bool direction_is_held = false; ///< by a hand or an arm at the table: the frame drifts, and does not tilt
     bool hold_without_balance = false; ///< a free frame without balance is held, and the search goes on
 };

@@ -374,23 +374,20 @@ namespace {
             return fem::open_with_frame(problem, frame, drive, options, how, job);
         const fem::ElasticProblem hold = problem.blades.empty() ? problem : holding_hooks(problem, field);
         const std::optional<fem::FrameStart> linear
-            = how.direction_is_held ? std::nullopt : linear_start(hold, frame, drive, as_stage(job, "opening, linear"));
+            = linear_start(hold, frame, drive, as_stage(job, "opening, linear"));
         if (problem.blades.empty())
             return fem::open_with_frame(problem, frame, drive, options, how, job, linear);
         const Job named = as_stage(job, "opening, blades that hold");
         fem::FrameOptions roughly = how;
         roughly.tolerance = std::max(kStartBalance, how.tolerance);
-        roughly.hold_without_balance = false;
         fem::OpeningOptions rough = options;
         rough.tolerance = std::max(kStartTolerance, options.tolerance);
         const fem::FrameOpening held = fem::open_with_frame(hold, frame, drive, rough, roughly, named, linear);
-        if (held.opening.status == fem::OpeningStatus::cancelled || !is_usable(held.opening)) {
-            if (held.opening.status == fem::OpeningStatus::not_converged)
-                how.direction_is_held = true; // blades that slip would tilt as well
+        if (held.opening.status == fem::OpeningStatus::cancelled || !is_usable(held.opening))
             return fem::open_with_frame(problem, frame, drive, options, how, job);
-        }
         fem::ElasticProblem placed = problem;
         placed.hooks = fem::blades_at(frame, held.state, problem.hooks);
+        how.direction_is_held = held.direction_is_held;
         return fem::open_with_frame(problem, frame, drive, options, how, job,
             fem::FrameStart { held.state, fem::with_blade_nodes(placed, held.opening.displacement), {} });
     }
@@ -450,8 +447,9 @@ namespace {
         if (start && problem.blades.empty() && !is_usable(fine.opening)
             && fine.opening.status != fem::OpeningStatus::cancelled)
             fine = fem::open_with_frame(problem, frame, drive, options, how, job);
+        const bool as_coarse = fine.direction_is_held == coarse.direction_is_held; // else another operation
         take_retractor(opened, frame, std::move(fine));
-        if (start)
+        if (start && as_coarse)
             opened.coarse = std::move(coarse.opening);
     }
 
@@ -561,9 +559,10 @@ OpenedWall reopen_wall(
                              .slerp(share, Eigen::Quaterniond(field.retractor->state.rotation))
                              .toRotationMatrix();
         const fem::RackDrive drive { .distance_mm = state.distance };
+        fem::FrameOptions how = balance_of(problem, field.retractor->direction_is_held);
+        how.hold_without_balance = false; // it is compared with the whole opening
         take_retractor(opened, field.retractor->frame,
-            fem::open_with_frame(problem, field.retractor->frame, drive, options,
-                balance_of(problem, field.retractor->direction_is_held), named,
+            fem::open_with_frame(problem, field.retractor->frame, drive, options, how, named,
                 fem::FrameStart { state, std::move(start), field.retractor->stiffness }));
     } else {
         for (fem::HookPatch& hook : opened.hooks)

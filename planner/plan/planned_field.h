@@ -41,7 +41,7 @@ struct PlacedRetractor {
     double residual_force_N = 0.0; ///< magnitude of the resultant of the blade forces
     double residual_moment_Nmm = 0.0; ///< magnitude of the resultant moment about the frame's centre
     /// A hand or an arm at the table holds the frame's direction and bears the resultant moment, because the free frame
-    /// would tilt on and on.
+    /// found no balance.
     bool direction_is_held = false;
     double rack_force_N = 0.0; ///< along the rack at each blade
     int openings = 0; ///< number of openings that the search took

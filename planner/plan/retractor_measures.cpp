@@ -93,7 +93,7 @@ std::optional<RetractorMetrics> retractor_metrics(const PlannedField& field)
         .rack_force_N = retractor.rack_force_N,
         .residual_force_N = retractor.residual_force_N,
         .residual_moment_Nm = retractor.direction_is_held ? 0.0 : kMPerMm * retractor.residual_moment_Nmm,
-        .held_moment_Nm
+        .hand_moment_Nm
         = retractor.direction_is_held ? std::optional<double>(kMPerMm * retractor.residual_moment_Nmm) : std::nullopt,
         .tilt_deg = kDegrees * Eigen::AngleAxisd(retractor.state.rotation).angle(),
         .contact_was_lost = field.contact_was_lost };

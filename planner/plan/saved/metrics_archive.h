@@ -98,7 +98,7 @@ RETRACTOR_ARCHIVE(HookForce, name, side, force_N, pushes, moved_mm, asked_mm, pu
 RETRACTOR_ARCHIVE(BladePressure, mean_kPa, largest_kPa, largest_at, touching_mm2, on_bone_N, thirds_N, penetration_mm)
 RETRACTOR_ARCHIVE(BladeMetrics, name, force_N, moment_Nm, turn_deg, at_stop, lip_deviation_mm, pressure)
 RETRACTOR_ARCHIVE(RetractorMetrics, kind, asked_force_N, opening_mm, rack_force_N, blades, residual_force_N,
-    residual_moment_Nm, held_moment_Nm, tilt_deg, contact_was_lost)
+    residual_moment_Nm, hand_moment_Nm, tilt_deg, contact_was_lost)
 RETRACTOR_ARCHIVE(
     ForceMoments, message, peak_N, held_N, held_least_N, held_most_N, opened_in_s, hold_s, protocol, is_fast, source)
 RETRACTOR_ARCHIVE(WholeMetrics, message, opening_width_mm, opening_area_mm2, hook_force_N, lips_difference, seconds)

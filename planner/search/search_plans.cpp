@@ -19,7 +19,6 @@ namespace retractor::planner {
 
 namespace {
 
-    const std::string kTimeIsOver = ": not planned, the time for drafts was over";
     constexpr double kNarrowerShare = 2.0 / 3.0; ///< of the opening, in the second round
 
     std::vector<FoundIncision> best_of(std::vector<FoundIncision> found, std::size_t count)
@@ -58,7 +57,7 @@ namespace {
         for (std::size_t n = 0; n < fields.size(); ++n) {
             Proposal& proposal = proposals[n];
             if (fields[n].status == PlanStatus::cancelled || fields[n].exposure.status == ExposureStatus::cancelled) {
-                round.plans.failed.push_back(proposal.words + kTimeIsOver);
+                round.plans.not_planned.push_back(proposal.words);
                 continue;
             }
             if (const std::string why = objection(fields[n], search, least_seen); !why.empty()) {
@@ -215,6 +214,8 @@ SearchPlans draft_plans(const Case& planned_case, const std::vector<Proposal>& p
     SearchPlans& plans = round.plans;
     const double least_seen = request.limits.least_seen;
     std::optional<TimeLimit> limit;
+    if (request.draft_s && !(*request.draft_s >= 0.0))
+        throw InputError("the time for drafts is not zero or more", "draft_s");
     if (request.draft_s)
         limit.emplace(job, *request.draft_s);
     const Job& drafting = limit ? limit->job() : job;
@@ -226,18 +227,12 @@ SearchPlans draft_plans(const Case& planned_case, const std::vector<Proposal>& p
         add_drafts(round, planned_case,
             { proposals.begin() + std::ptrdiff_t(first), proposals.begin() + std::ptrdiff_t(last) }, search, least_seen,
             drafting);
-        if (drafting.cancelled()) {
-            plans.failed.push_back("the best opened less wide, or by another retractor" + kTimeIsOver);
-            break;
-        }
         std::vector<Proposal> second = narrower(round, request);
         for (Proposal& proposal : by_another_retractor(round, request))
             second.push_back(std::move(proposal));
         if (!second.empty())
             add_drafts(round, planned_case, std::move(second), search, least_seen, drafting);
         round.unsolved.clear();
-        if (drafting.cancelled())
-            break;
     }
     plans.status = job.cancelled() ? SearchStatus::cancelled : SearchStatus::done;
     sort_by_score(plans, request.weights);

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <numbers>
@@ -85,14 +86,20 @@ namespace incision_search_test {
         const SearchPlans late = draft_plans(plate().planned_case(), proposals, 2, search, request);
         EXPECT_EQ(late.status, SearchStatus::done) << "nobody has cancelled it";
         EXPECT_TRUE(late.best_first.empty());
-        ASSERT_FALSE(late.failed.empty());
-        for (const std::string& why : late.failed)
-            EXPECT_TRUE(why.ends_with("the time for drafts was over")) << why;
+        EXPECT_TRUE(late.failed.empty()) << "nothing was judged";
+        ASSERT_FALSE(late.not_planned.empty());
+        EXPECT_EQ(late.not_planned.front(), proposals.front().words);
         request.draft_s.reset();
         const SearchPlans plans = draft_plans(plate().planned_case(), proposals, 2, search, request);
-        EXPECT_FALSE(plans.best_first.empty() && plans.failed.empty());
-        for (const std::string& why : plans.failed)
-            EXPECT_FALSE(why.ends_with("the time for drafts was over")) << why;
+        EXPECT_GE(plans.best_first.size() + plans.failed.size(), std::min<std::size_t>(2, proposals.size()));
+        EXPECT_TRUE(plans.not_planned.empty());
+        const std::atomic<bool> asked { true };
+        request.draft_s = 1e6;
+        const SearchPlans cancelled = draft_plans(
+            plate().planned_case(), proposals, 2, search, request, { .on_progress = {}, .cancel = &asked });
+        EXPECT_EQ(cancelled.status, SearchStatus::cancelled);
+        request.draft_s = -1.0;
+        EXPECT_THROW((void)draft_plans(plate().planned_case(), proposals, 2, search, request), InputError);
     }
 
     // ---- a chest ---------------------------------------------------------------------------------------------------

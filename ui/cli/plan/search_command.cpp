@@ -170,13 +170,18 @@ namespace {
     {
         outcome.text += "\n" + title + ", best first:\n";
         const std::vector<ComparedField> fields = compared(plans);
-        outcome.text += fields.empty() ? "No incision of these can be proposed. Try a smaller --opening, another "
-                                         "--retractor or --hooks, or more --drafts.\n"
-                                       : comparison_text(fields, weights, Marks::leader);
+        if (!fields.empty())
+            outcome.text += comparison_text(fields, weights, Marks::leader);
+        else if (!plans.failed.empty())
+            outcome.text += "No incision of these can be proposed. Try a smaller --opening, another --retractor or "
+                            "--hooks, or more --drafts.\n";
         for (const std::string& why : plans.failed)
             outcome.text += "no proposal: " + why + "\n";
+        for (const std::string& place : plans.not_planned)
+            outcome.text += "not planned, as the time for drafts (--draft-time) was over: " + place + "\n";
         outcome.document[key] = fields.empty() ? Json::object() : comparison_document(fields, weights);
         outcome.document[key]["no_proposal"] = plans.failed;
+        outcome.document[key]["not_planned"] = plans.not_planned;
     }
 
     Outcome sweep_outcome(const planner::IncisionSearch& search, const planner::SearchRequest& request)
@@ -308,7 +313,7 @@ void add_search_command(Commands& commands)
         ->capture_default_str();
     command
         ->add_option("--draft-time", options->draft_s,
-            "Time for the drafts, s; what is not planned by then is named. 0: all the time that they need")
+            "Time for the drafts, s; what is not planned by then is named. 0: as long as they take")
         ->check(in_range(0.0, 1e6))
         ->capture_default_str();
     command->add_flag(

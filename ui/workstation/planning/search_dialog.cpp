@@ -291,6 +291,8 @@ void SearchDialog::show_answer(FoundProposals found)
             1e-3 * static_cast<double>(watch_.elapsed()));
     for (const std::string& why : found_.drafts.failed)
         remarks += "\nNo proposal: " + why;
+    for (const std::string& place : found_.drafts.not_planned)
+        remarks += "\nNot planned, as the time was over: " + place;
     for (const std::string& why : found_.refused)
         remarks += "\nDoes not fit: " + why;
     remarks_->setText(translated(remarks));
@@ -299,7 +301,9 @@ void SearchDialog::show_answer(FoundProposals found)
     const QRect room = screen()->availableGeometry();
     resize(width(), std::min(std::max(height(), kTall), room.height()));
     move(x(), std::clamp(y(), room.top(), std::max(room.top(), room.bottom() - height())));
-    if (best.empty())
+    if (best.empty() && found_.drafts.failed.empty())
+        show_failure("None of these incisions was planned in time.");
+    else if (best.empty())
         show_failure("None of these incisions can be proposed.");
 }
 

@@ -58,7 +58,7 @@ struct HookSpec {
     std::vector<std::string> bears_on {}; ///< names of these bones; set with `bearing`
 };
 
-/// A retractor in place of hooks: a rigid frame with two blades, which only the tissue holds
+/// A retractor in place of hooks: a rigid frame with two blades, which the tissue holds
 /// (fem/statics/blade_frame.h). The sizes come from the table of instruments (planner/approach/retractors.h) when the
 /// retractor is placed, and may be changed here.
 struct RetractorSpec {

@@ -83,9 +83,9 @@ struct RetractorMetrics {
     double rack_force_N = 0.0; ///< force along the rack at each blade
     std::vector<BladeMetrics> blades {}; ///< two
     double residual_force_N = 0.0; ///< resultant of the blade forces; zero in balance
-    double residual_moment_Nm = 0.0; ///< resultant moment; zero in balance
-    /// Moment with which a hand or an arm at the table keeps the frame from tilting; not set: the tissue holds it.
-    std::optional<double> held_moment_Nm {};
+    double residual_moment_Nm = 0.0; ///< resultant moment that nothing bears; zero in balance
+    /// Moment with which a hand or an arm at the table holds the frame's direction; not set: the tissue holds it.
+    std::optional<double> hand_moment_Nm {};
     double tilt_deg = 0.0; ///< by which the frame has turned as a whole
     bool contact_was_lost = false; ///< the blades hold the tissue, because their contact had no equilibrium
 };

@@ -263,8 +263,8 @@ namespace {
         }
         put(json, field, "residual_force_N", retractor.residual_force_N);
         put(json, field, "residual_moment_Nm", retractor.residual_moment_Nm);
-        if (retractor.held_moment_Nm)
-            put(json, field, "held_moment_Nm", *retractor.held_moment_Nm);
+        if (retractor.hand_moment_Nm)
+            put(json, field, "hand_moment_Nm", *retractor.hand_moment_Nm);
         put(json, field, "tilt_deg", retractor.tilt_deg);
         json["contact_was_lost"] = retractor.contact_was_lost;
         return json;
@@ -881,10 +881,10 @@ std::string retractor_text(const FieldMetrics& field)
     for (const BladeMetrics& blade : retractor.blades)
         text += "; " + readable(blade.name) + ": " + blade_text(blade);
     return text
-        + (retractor.held_moment_Nm
-                ? formatted("; the tissue would tilt the frame on and on: a hand or an arm at the table holds it with "
+        + (retractor.hand_moment_Nm
+                ? formatted("; the free frame found no balance: a hand or an arm at the table holds its direction with "
                             "%.2g N m, and %.2g N of its blade forces are not balanced",
-                    *retractor.held_moment_Nm, retractor.residual_force_N)
+                    *retractor.hand_moment_Nm, retractor.residual_force_N)
                 : formatted("; the frame has tilted by %.1f degrees, and %.2g N of its blade forces are not balanced",
                     retractor.tilt_deg, retractor.residual_force_N))
         + (retractor.contact_was_lost

@@ -72,6 +72,10 @@ namespace {
         const double force = has_moments ? field.force_moments->peak_N : field.hook_force_N;
         if (!(force > 0.0))
             return;
+        if (field.retractor && field.retractor->hand_moment_Nm)
+            say(said, Light::caution,
+                "A hand or an arm at the table must keep the retractor from tilting ("
+                    + two_digits(*field.retractor->hand_moment_Nm) + " N m).");
         const ForceInterval interval = force_interval(field);
         std::string text = (has_moments ? "Peak " : "Force ") + two_digits(force) + " N";
         Light light = Light::caution; // how sure the number is, may not be known

@@ -1,8 +1,10 @@
 #include "planner/measures/verdict.h"
 
 #include "planner/measures/bones/bone_limits.h"
+#include "planner/measures/metrics.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -92,6 +94,22 @@ namespace verdict_test {
         field.error.emplace();
         field.error->hook_force_N = 50.0;
         EXPECT_EQ(verdict_of(field).light, Light::caution);
+    }
+
+    TEST(Verdict, ARetractorThatAHandHoldsIsToldEverywhere)
+    {
+        FieldMetrics field = good_field();
+        field.retractor = RetractorMetrics { .kind = "midcab", .opening_mm = 30.0, .tilt_deg = 3.0 };
+        EXPECT_EQ(verdict_of(field).light, Light::clear);
+        EXPECT_FALSE(metrics_document({ field })["approaches"][0]["retractor"].contains("hand_moment_Nm"));
+        EXPECT_NE(retractor_text(field).find("tilted by 3.0 degrees"), std::string::npos);
+        field.retractor->hand_moment_Nm = 1.234;
+        const Verdict verdict = verdict_of(field);
+        EXPECT_EQ(verdict.light, Light::caution);
+        EXPECT_TRUE(says(verdict, "A hand or an arm at the table must keep the retractor from tilting (1.2 N m)."));
+        EXPECT_EQ(metrics_document({ field })["approaches"][0]["retractor"]["hand_moment_Nm"], 1.234);
+        EXPECT_NE(retractor_text(field).find("holds its direction with 1.2 N m"), std::string::npos)
+            << retractor_text(field);
     }
 
     TEST(Verdict, WhatBreaksOrTearsComesFirst)

@@ -277,7 +277,7 @@ namespace {
             kinds += (kinds.empty() ? "" : ", ") + kind.kind;
         command
             .add_option("--retractor", options.retractor,
-                "Open with a retractor instead of hooks: a rigid frame with two blades that only the tissue holds. "
+                "Open with a retractor instead of hooks: a rigid frame with two blades that the tissue holds. "
                 "Kinds: "
                     + kinds)
             ->excludes(hook_template);

@@ -5587,5 +5587,29 @@
         <source>spine; the border of the meshed region</source>
         <translation>脊椎、格子の領域の縁</translation>
     </message>
+    <message>
+        <source>A hand or an arm at the table must keep the retractor from tilting (%1).</source>
+        <translation>開創器が傾かないように、手または手術台のアームで支える必要があります（%1）。</translation>
+    </message>
+    <message>
+        <source>Retractor, kept from tilting</source>
+        <translation>開創器：傾き止め</translation>
+    </message>
+    <message>
+        <source>The free frame found no balance: a hand or an arm at the table holds its direction.</source>
+        <translation>自由な枠は釣り合いませんでした。手または手術台のアームがその向きを支えます。</translation>
+    </message>
+    <message>
+        <source>Not planned, as the time was over: %1</source>
+        <translation>時間切れで計画していません：%1</translation>
+    </message>
+    <message>
+        <source>None of these incisions was planned in time.</source>
+        <translation>時間内に計画できた切開はありません。</translation>
+    </message>
+    <message>
+        <source>the free frame found no balance: a hand or an arm at the table holds its direction with %1, and %2 of its blade forces are not balanced</source>
+        <translation>自由な枠は釣り合わず、手または手術台のアームが %1 でその向きを支えます。ブレードの力のうち %2 が釣り合っていません</translation>
+    </message>
 </context>
 </TS>

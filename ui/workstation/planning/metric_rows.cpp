@@ -206,6 +206,9 @@ namespace {
             section.rows.push_back({ "Rupture", "possible", planner::rupture_text(field) + ".", true });
         if (const std::string fast = planner::fast_opening_text(field); !fast.empty())
             section.rows.push_back({ "Speed of opening", "fast", fast + ".", true });
+        if (field.retractor && field.retractor->hand_moment_Nm)
+            section.rows.push_back({ "Retractor, kept from tilting", number(*field.retractor->hand_moment_Nm, 2, "N m"),
+                "The free frame found no balance: a hand or an arm at the table holds its direction.", true });
         if (field.retractor)
             for (const planner::BladeMetrics& blade : field.retractor->blades)
                 section.rows.push_back({ "Retractor, " + readable(blade.name),

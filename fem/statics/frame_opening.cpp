@@ -141,14 +141,15 @@ namespace {
             if (how_.hold_without_balance && !how_.direction_is_held)
                 first_ = found_;
             while (!is_in_balance()) {
+                const bool is_nearly = found_.imbalance <= how_.tolerance && !must_be_held();
                 const std::string why = out_of_range();
-                if (!why.empty() || found_.openings >= how_.most_openings) {
+                if (is_nearly) {
+                    continue_from(found_.opening.displacement);
+                    open(found_.state, balancing_, options_.tolerance);
+                } else if (!why.empty() || found_.openings >= how_.most_openings) {
                     if (!first_)
                         return fail(why);
                     hold_direction();
-                } else if (found_.imbalance <= how_.tolerance) {
-                    continue_from(found_.opening.displacement);
-                    open(found_.state, balancing_, options_.tolerance);
                 } else if (!step()) {
                     if (!first_)
                         return end_with_best();
@@ -162,10 +163,10 @@ namespace {
         }
 
         /// A frame that is to be held where it turns too far is not in balance there.
+        bool must_be_held() const { return first_ && turned() > how_.most_turned; }
         bool is_in_balance() const
         {
-            return found_.imbalance <= how_.tolerance && tolerance_ <= options_.tolerance
-                && !(first_ && turned() > how_.most_turned);
+            return found_.imbalance <= how_.tolerance && tolerance_ <= options_.tolerance && !must_be_held();
         }
 
         /// Moves the frame to the predicted balance, or a part of the way where the tissue has no equilibrium farther

@@ -56,7 +56,7 @@ namespace {
     {
         for (std::size_t n = 0; n < fields.size(); ++n) {
             Proposal& proposal = proposals[n];
-            if (fields[n].status == PlanStatus::cancelled || fields[n].exposure.status == ExposureStatus::cancelled) {
+            if (fields[n].status == PlanStatus::cancelled) {
                 round.plans.not_planned.push_back(proposal.words);
                 continue;
             }

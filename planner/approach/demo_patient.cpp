@@ -27,7 +27,7 @@ namespace {
 
     /// Each with the retractor that surgeons use.
     constexpr std::array<DemoApproach, 3> kDemoApproaches { { { "median", "sternal", 40.0 },
-        { "intercostal:4", "finochietto", 25.0 }, { "distal", "finochietto", 25.0 } } };
+        { "intercostal:4", "finochietto", 20.0 }, { "distal", "finochietto", 20.0 } } };
 
     void add_approaches(Case& planned_case, const Job& job)
     {

@@ -13,7 +13,6 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr double kThickness = 1.6; ///< mm, of a hand-held retractor blade
     constexpr double kBendRadius = 6.0; ///< mm
     constexpr int kBendSteps = 12;
 
@@ -112,7 +111,7 @@ TriMesh hook_mesh(const HookShape& hook)
         Eigen::Vector2d along(after.p - before.p, after.o - before.o);
         along.normalize();
         // The steel lies on the wound's side of the lip: the lip is at p > 0.
-        const Vec3 inner = -kThickness * (along.y() * pull - along.x() * outward);
+        const Vec3 inner = -kBladeThicknessMm * (along.y() * pull - along.x() * outward);
         const Vec3 centre = hook.position + here.p * pull + here.o * outward;
         const Vec3 side = here.half_width * across;
         mesh.vertices.row(4 * s + 0) = (centre - side).transpose();

@@ -21,6 +21,9 @@ struct HookShape {
     double shaft_mm = 60.0;
 };
 
+/// Of a hand-held retractor's blade, mm.
+inline constexpr double kBladeThicknessMm = 1.6;
+
 /// A closed ribbon of steel: the patch against the lip, the bend over the wound's edge, and the shaft away from the
 /// wound. Triangles face outwards.
 /// @throws InputError on values that are not finite, sizes that are not positive, or a pull along `outward`

@@ -180,11 +180,12 @@ std::vector<RiskDistance> ApertureScorer::exact_risks(const std::vector<Aperture
     });
 }
 
-Candidate ApertureScorer::score(const std::vector<ApertureSection>& sections, double width_mm, ApertureKind kind,
-    const std::vector<SurfaceSample>& samples)
+Candidate ApertureScorer::score(const std::vector<ApertureSection>& sections, const ApertureWidth& width,
+    ApertureKind kind, const std::vector<SurfaceSample>& samples)
 {
-    const RayScene scene(scene_of(kind), Aperture(sections, width_mm), kWall);
-    const OpeningGeometry opening = Aperture(sections, width_mm).opening();
+    const Aperture aperture(sections, width);
+    const OpeningGeometry opening = aperture.opening();
+    const RayScene scene(scene_of(kind), aperture, kWall);
     const EyePlaces places = eye_places_through(opening, aim_through(scene, opening, samples), view_);
     SurgeonEye best = best_eye(scene, places, samples);
     add_two_eyes_and_instruments(best, scene, opening, samples);
@@ -198,7 +199,7 @@ Candidate ApertureScorer::score(const std::vector<ApertureSection>& sections, do
     field.best_eye.bound_area_mm2 = best.bound_area_mm2;
     field.coaxiality_deg = 180.0 / std::numbers::pi * std::acos(std::clamp(cosine, -1.0, 1.0));
     field.incision_length_mm = opening.incision_length_mm;
-    field.opening_width_mm = width_mm;
+    field.opening_width_mm = width.skin_mm;
     field.at_risk = risks_beside(sections);
     if (kind == ApertureKind::sternum)
         candidate.divided_bones = { "sternum" };

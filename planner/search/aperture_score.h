@@ -49,7 +49,7 @@ public:
     /// What rays tell of a hole: shares seen and reached, angle, length, structures at risk, bones that are sawn.
     /// @param samples on the target
     /// @throws InputError as Aperture, and where the target lies in the hole
-    Candidate score(const std::vector<ApertureSection>& sections, double width_mm, ApertureKind kind,
+    Candidate score(const std::vector<ApertureSection>& sections, const ApertureWidth& width, ApertureKind kind,
         const std::vector<SurfaceSample>& samples);
 
     std::vector<SurfaceSample> samples(int count) const;

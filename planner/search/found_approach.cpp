@@ -3,8 +3,8 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/approach/approach_templates.h"
-#include "planner/approach/retractors.h"
 #include "planner/search/aperture_score.h"
+#include "planner/search/held_open.h"
 
 #include <algorithm>
 #include <cmath>
@@ -104,30 +104,6 @@ Approach approach_of(Patient& patient, const FoundIncision& incision, const Sear
         = organs_aside(patient.planned_case().label_table, request.target, kind_of(incision), request.retracted);
     approach.rationale = "Found by a search that started from no template. " + approach.rationale;
     return opened_by(std::move(approach), opening_of(incision, request));
-}
-
-OpenedBy opening_of(const FoundIncision& incision, const SearchRequest& request)
-{
-    constexpr double kSmallMm = 100.0;
-    OpenedBy opened { .retractor = request.retractor, .opening_mm = incision.opening_mm };
-    if (!request.hooks.empty())
-        opened.hooks = request.hooks;
-    else if (opened.retractor.empty())
-        opened.retractor = incision.kind == FoundIncision::Kind::sternum ? "sternal"
-            : incision.length_mm < kSmallMm                              ? "midcab"
-                                                                         : "finochietto";
-    return opened;
-}
-
-std::string other_retractor(const FoundIncision& incision, const SearchRequest& request)
-{
-    if (!request.hooks.empty() || !request.retractor.empty())
-        return {};
-    const std::string usual = opening_of(incision, request).retractor;
-    const bool sternum = incision.kind == FoundIncision::Kind::sternum;
-    const std::string other = usual == "finochietto" ? (sternum ? "sternal" : "midcab") : "finochietto";
-    const RetractorKind& kind = find_retractor(built_in_retractors(), other);
-    return kind.greatest_opening_mm >= incision.opening_mm && kind.blade_width_mm < incision.length_mm ? other : "";
 }
 
 std::string place_in_words(const FoundIncision& incision)

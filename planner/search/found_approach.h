@@ -16,14 +16,6 @@ namespace retractor::planner {
 /// has no room for all of its length
 Approach approach_of(Patient& patient, const FoundIncision& incision, const SearchRequest& request);
 
-/// What opens this incision. Usual are a sternal spreader for the sternum, a small retractor for an incision between
-/// ribs that is shorter than 100 mm, and a rib spreader for a longer one.
-OpenedBy opening_of(const FoundIncision& incision, const SearchRequest& request);
-
-/// Another retractor of the table that may open this incision as wide; empty: there is none, or the request says what
-/// opens. Between ribs these are rib spreader and small retractor, at the sternum sternal and rib spreader.
-std::string other_retractor(const FoundIncision& incision, const SearchRequest& request);
-
 /// "left intercostal space 4, at the side, 110 mm": the place in words.
 std::string place_in_words(const FoundIncision& incision);
 

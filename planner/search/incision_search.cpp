@@ -9,6 +9,8 @@
 #include "planner/approach/retractors.h"
 #include "planner/measures/bones/bone_limits.h"
 #include "planner/search/aperture_score.h"
+#include "planner/search/held_open.h"
+#include "planner/search/incision_lines.h"
 
 #include <Eigen/Geometry>
 
@@ -61,6 +63,13 @@ namespace {
         FoundIncision incision;
         std::vector<ApertureSection> sections;
     };
+
+    FoundIncision::Kind kind_of(ApertureKind kind)
+    {
+        if (kind == ApertureKind::sternum)
+            return FoundIncision::Kind::sternum;
+        return kind == ApertureKind::skin ? FoundIncision::Kind::skin : FoundIncision::Kind::space;
+    }
 
     InputError without_landmarks(const InputError& error)
     {
@@ -137,10 +146,12 @@ namespace {
             ApertureKind kind, const std::vector<SurfaceSample>& samples)
         {
             FoundIncision incision;
+            incision.kind = kind_of(kind);
             incision.length_mm = length_mm;
             incision.opening_mm = width_of(length_mm, kind);
             try {
-                incision.candidate = scorer.score(sections, incision.opening_mm, kind, samples);
+                const ApertureWidth width = hole_width(incision, thickness_at_aperture(sections), request);
+                incision.candidate = scorer.score(sections, width, kind, samples);
             } catch (const InputError&) {
                 return std::nullopt;
             }
@@ -163,7 +174,9 @@ namespace {
 
         bool is_proposal(const FoundIncision& incision) const
         {
-            return !incision.near_risk && incision.candidate.field.seen_best_eye >= request.limits.least_seen;
+            // A saw runs on a foot behind the sternum, so the heart may lie against it.
+            const bool keeps_off = !incision.near_risk || incision.kind == FoundIncision::Kind::sternum;
+            return keeps_off && incision.candidate.field.seen_best_eye >= request.limits.least_seen;
         }
 
         /// Turns the shares of what this incision's eyes could see into shares of the largest area known.
@@ -209,7 +222,6 @@ namespace {
             auto incision = score(*sections, trial.length_mm, kind_over(*line.space), samples);
             if (!incision)
                 return std::nullopt;
-            incision->kind = FoundIncision::Kind::space;
             incision->space = line.space;
             incision->along_mm = trial.along_mm;
             incision->angle_deg = angle_round_chest_deg(frame, incision->middle);
@@ -243,7 +255,6 @@ namespace {
             auto incision = score(sections, line->places.back().along_mm, ApertureKind::skin, samples);
             if (!incision)
                 return std::nullopt;
-            incision->kind = FoundIncision::Kind::skin;
             return Tried { trial, *std::move(incision), std::move(sections) };
         }
     };
@@ -493,7 +504,6 @@ namespace {
             auto incision = search.score(sections, incision_length(approach), ApertureKind::sternum, samples);
             if (!incision)
                 throw InputError("the target lies in the opening");
-            incision->kind = FoundIncision::Kind::sternum;
             return Tried { {}, *std::move(incision), std::move(sections) };
         } catch (const InputError& error) {
             missing.push_back(std::string("sternum: ") + error.what());
@@ -539,12 +549,8 @@ namespace {
                     + in_words(search.request.limits.shortest_mm) + " mm");
     }
 
-    std::string sternum_objection(const FoundIncision& sternum, const Search& search)
+    std::string sternum_objection(const Search& search)
     {
-        const FieldMetrics& field = sternum.candidate.field;
-        if (sternum.near_risk)
-            return "sternum: " + readable(field.at_risk.front().name) + " lies "
-                + in_words(field.at_risk.front().distance_mm, 1) + " mm from the blade";
         return "sternum: shows less than " + in_words(100.0 * search.request.limits.least_seen) + " % of the target";
     }
 
@@ -617,7 +623,7 @@ IncisionSearch search_incisions(Patient& patient, const SearchRequest& request, 
     if (sternum) {
         result.tried.push_back(place_of(best.back().incision));
         if (std::ranges::find(result.found, FoundIncision::Kind::sternum, &FoundIncision::kind) == result.found.end())
-            result.missing.emplace_back(sternum_objection(best.back().incision, search));
+            result.missing.emplace_back(sternum_objection(search));
     }
     result.largest_bound_mm2 = search.largest_bound_mm2;
     result.status = job.cancelled() ? SearchStatus::cancelled : SearchStatus::done;

@@ -9,6 +9,7 @@
 #include "planner/case/draft_case.h"
 #include "planner/measures/verdict.h"
 #include "planner/plan/plan.h"
+#include "planner/search/held_open.h"
 
 #include <algorithm>
 #include <cmath>

@@ -16,6 +16,13 @@ namespace {
     /// Pieces of a bent line leave wedges between their planes; a ray in a wedge belongs to both pieces.
     constexpr double kWedgeMm = 0.5;
 
+    /// Width of the hole at a section, as a share of that in the middle; not quite 0 at the ends.
+    double share_of_width(std::size_t n, std::size_t sections)
+    {
+        const double t = 2.0 * static_cast<double>(n) / static_cast<double>(sections - 1) - 1.0;
+        return 1.0 - t * t + kLeastMm;
+    }
+
     /// The middle of the hole, and a plane that fits it.
     OpeningGeometry opening_of(const std::vector<ApertureSection>& sections, double length_mm, double width_mm)
     {
@@ -30,8 +37,7 @@ namespace {
         double weights = 0.0;
         opening.centre = Vec3::Zero();
         for (std::size_t n = 0; n < sections.size(); ++n) {
-            const double t = 2.0 * static_cast<double>(n) / static_cast<double>(sections.size() - 1) - 1.0;
-            const double weight = 1.0 - t * t + kLeastMm; // the width of the hole there
+            const double weight = share_of_width(n, sections.size());
             opening.centre += weight * sections[n].skin;
             outward += weight * (sections[n].skin - sections[n].inner).normalized();
             weights += weight;
@@ -43,6 +49,19 @@ namespace {
     }
 
 } // namespace
+
+double thickness_at_aperture(const std::vector<ApertureSection>& sections)
+{
+    if (sections.size() == 1)
+        return (sections.front().skin - sections.front().inner).norm();
+    double sum = 0.0, weights = 0.0;
+    for (std::size_t n = 0; n < sections.size(); ++n) {
+        const double weight = share_of_width(n, sections.size());
+        sum += weight * (sections[n].skin - sections[n].inner).norm();
+        weights += weight;
+    }
+    return sum / weights;
+}
 
 Aperture::Lens Aperture::lens_of(const std::vector<ApertureSection>& sections, bool skin, double width_mm)
 {
@@ -69,14 +88,16 @@ Aperture::Lens Aperture::lens_of(const std::vector<ApertureSection>& sections, b
     return lens;
 }
 
-Aperture::Aperture(const std::vector<ApertureSection>& sections, double width_mm)
+Aperture::Aperture(const std::vector<ApertureSection>& sections, const ApertureWidth& width)
 {
     if (sections.size() < 2)
         throw InputError("an aperture needs at least two sections, got " + std::to_string(sections.size()));
-    if (!(width_mm > 0.0 && std::isfinite(width_mm)))
-        throw InputError("an aperture's width must be above 0 mm, got " + std::to_string(width_mm));
-    lenses_ = { lens_of(sections, true, width_mm), lens_of(sections, false, width_mm) };
-    opening_ = opening_of(sections, lenses_[0].length_mm, width_mm);
+    if (!(width.skin_mm > 0.0 && std::isfinite(width.skin_mm)))
+        throw InputError("an aperture's width must be above 0 mm, got " + std::to_string(width.skin_mm));
+    if (!std::isfinite(width.inner_mm))
+        throw InputError("an aperture's width on the inner side is not a number");
+    lenses_ = { lens_of(sections, true, width.skin_mm), lens_of(sections, false, width.inner_mm) };
+    opening_ = opening_of(sections, lenses_[0].length_mm, width.skin_mm);
 }
 
 bool Aperture::Lens::passes(const Vec3& from, const Vec3& direction) const

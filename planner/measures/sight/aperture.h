@@ -1,7 +1,8 @@
 #pragma once
 // A hole through the wall at rest, as wide as a wound that is held open: what an incision would show, before any tissue
-// is computed. The hole is a lens along a line on the skin, with its middle wide and its ends closed, on the skin and
-// on the inner side of the wall. A ray passes where it goes through both lenses. Units mm; frame patient LPS.
+// is computed. The hole is a lens along a line on the skin, with its middle wide and its ends closed, on the skin and,
+// narrower or as wide, on the inner side of the wall. A ray passes where it goes through both lenses. Units mm; frame
+// patient LPS.
 
 #include "mesh/base/geometry.h"
 #include "planner/wall/field_geometry.h"
@@ -17,12 +18,20 @@ struct ApertureSection {
     Vec3 inner = Vec3::Zero(); ///< the inner side of the wall behind it
 };
 
+/// Thickness of the wall, weighted by the width of the hole along the line. @pre sections are not empty
+double thickness_at_aperture(const std::vector<ApertureSection>& sections);
+
+/// Between the lips in the middle of the line.
+struct ApertureWidth {
+    double skin_mm = 0.0;
+    double inner_mm = 0.0; ///< on the inner side of the wall; 0 or less: the hole is closed there
+};
+
 class Aperture {
 public:
-    /// @param width_mm between the lips in the middle
-    /// @throws InputError on fewer than two sections, sections that coincide, a wall without thickness, or a width that
-    /// is not above 0
-    Aperture(const std::vector<ApertureSection>& sections, double width_mm);
+    /// @throws InputError on fewer than two sections, sections that coincide, a wall without thickness, a width on the
+    /// skin that is not above 0, or one on the inner side that is not finite
+    Aperture(const std::vector<ApertureSection>& sections, const ApertureWidth& width);
 
     /// Whether the straight line through a point passes both lenses. @param direction unit
     bool passes(const Vec3& from, const Vec3& direction) const;

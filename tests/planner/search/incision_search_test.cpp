@@ -1,7 +1,10 @@
 #include "planner/search/incision_search.h"
 
 #include "mesh/base/error.h"
+#include "planner/approach/hook_mesh.h"
+#include "planner/approach/retractors.h"
 #include "planner/search/found_approach.h"
+#include "planner/search/held_open.h"
 #include "planner/search/search_plans.h"
 #include "tests/support/block_case.h"
 #include "tests/support/label_shapes.h"
@@ -57,6 +60,7 @@ namespace incision_search_test {
         request.target = { .label = {}, .centre = Vec3(kWindow.x(), kWindow.y(), 2.0), .radius_mm = 30.0 };
         request.limits.shortest_mm = request.limits.longest_mm = kWindowLength;
         request.opening_mm = kWindowWidth;
+        request.hooks = "2"; // the hole is as wide as the window, and lies well in one place only
         request.anywhere = true;
         for (const unsigned seed : { 1U, 2U, 3U }) {
             request.seed = seed;
@@ -186,6 +190,37 @@ namespace incision_search_test {
         EXPECT_EQ(other_retractor(small, request), "");
         request.retractor = "sternal"; // who names one gets that one
         EXPECT_EQ(other_retractor(sternum, request), "");
+    }
+
+    TEST(IncisionSearch, BladesThatTurnNarrowTheHoleBelowTheSkin)
+    {
+        SearchRequest request;
+        FoundIncision incision;
+        incision.kind = FoundIncision::Kind::space;
+        incision.length_mm = 140.0;
+        incision.opening_mm = 40.0;
+        constexpr double kWallMm = 35.0;
+        const ApertureWidth width = hole_width(incision, kWallMm, request);
+        const RetractorKind& rib_spreader = find_retractor(built_in_retractors(), "finochietto");
+        EXPECT_NEAR(width.skin_mm, 40.0 - 2.0 * kBladeThicknessMm, 1e-9);
+        EXPECT_NEAR(width.inner_mm,
+            width.skin_mm - 2.0 * kWallMm * std::tan(rib_spreader.play_deg * std::numbers::pi / 180.0), 1e-9);
+        incision.opening_mm = 4.0; // the blades' ends meet before the play ends
+        EXPECT_GT(hole_width(incision, kWallMm, request).inner_mm, -2.0 * kBladeThicknessMm);
+        request.hooks = "2"; // hooks do not turn
+        EXPECT_EQ(hole_width(incision, kWallMm, request).inner_mm, 4.0);
+    }
+
+    TEST(IncisionSearch, ASternumIsSawnAlsoWhereAStructureAtRiskLiesAgainstIt)
+    {
+        SearchRequest request = chest_request();
+        request.limits.left = request.limits.right = false;
+        request.limits.saw = true;
+        request.limits.from_risk_mm = 100.0; // more than any blade keeps
+        const IncisionSearch search = search_incisions(chest(), request);
+        ASSERT_EQ(search.found.size(), 1U);
+        EXPECT_EQ(search.found.front().kind, FoundIncision::Kind::sternum);
+        EXPECT_TRUE(search.found.front().near_risk);
     }
 
     TEST(IncisionSearch, MakesTheApproachThatItFound)

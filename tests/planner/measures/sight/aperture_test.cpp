@@ -18,6 +18,8 @@ namespace aperture_test {
 
     constexpr double kSkin = 70.0, kInner = 40.0; ///< heights of the two sides of the wall
     constexpr double kLength = 60.0, kWidth = 24.0;
+    constexpr ApertureWidth kParallel { .skin_mm = kWidth, .inner_mm = kWidth };
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
     /// A straight line along x over the origin.
     std::vector<ApertureSection> straight()
@@ -31,7 +33,7 @@ namespace aperture_test {
     }
 
     /// A plate in the plane z with a hole between two parabolas along x.
-    TriMesh plate_with_lens(double z)
+    TriMesh plate_with_lens(double z, double width = kWidth)
     {
         constexpr int kSteps = 200;
         constexpr double kFar = 2000.0;
@@ -45,7 +47,7 @@ namespace aperture_test {
             for (int n = 0; n < kSteps; ++n) {
                 const auto lip = [&](int at) {
                     const double t = 2.0 * at / kSteps - 1.0;
-                    return std::pair(0.5 * kLength * t, side * 0.5 * kWidth * (1.0 - t * t));
+                    return std::pair(0.5 * kLength * t, side * 0.5 * width * (1.0 - t * t));
                 };
                 const auto [x0, y0] = lip(n);
                 const auto [x1, y1] = lip(n + 1);
@@ -59,7 +61,7 @@ namespace aperture_test {
 
     TEST(Aperture, PassesTheRaysThatPlatesWithTheSameHolePass)
     {
-        const Aperture aperture(straight(), kWidth);
+        const Aperture aperture(straight(), kParallel);
         const RayScene plates(
             ring(0.0, kDisc, 0.0), { wall(plate_with_lens(kSkin)), wall(plate_with_lens(kInner)) }, {});
         std::mt19937 random(7);
@@ -78,11 +80,45 @@ namespace aperture_test {
         EXPECT_LT(different, kRays / 1000); // rays that touch a lip
     }
 
+    TEST(Aperture, NarrowsBelowTheSkin)
+    {
+        constexpr double kInnerWidth = 9.0;
+        const Aperture aperture(straight(), { .skin_mm = kWidth, .inner_mm = kInnerWidth });
+        const RayScene plates(
+            ring(0.0, kDisc, 0.0), { wall(plate_with_lens(kSkin)), wall(plate_with_lens(kInner, kInnerWidth)) }, {});
+        std::mt19937 random(8);
+        std::uniform_real_distribution<double> place(-25.0, 25.0), eye(-150.0, 150.0);
+        int different = 0, passing = 0;
+        constexpr int kRays = 20000;
+        for (int n = 0; n < kRays; ++n) {
+            const Vec3 from(place(random), place(random), 0.0), to(eye(random), eye(random), 400.0);
+            const Vec3 direction = (to - from).normalized();
+            const bool passes = aperture.passes(from, direction);
+            passing += passes ? 1 : 0;
+            different += passes != plates.clear(from, direction, 1.0, 600.0, kWallMask) ? 1 : 0;
+        }
+        EXPECT_GT(passing, kRays / 50);
+        EXPECT_LT(different, kRays / 1000); // rays that touch a lip
+        const Aperture closed(straight(), { .skin_mm = kWidth, .inner_mm = -1.0 });
+        EXPECT_FALSE(closed.passes(Vec3::Zero(), Vec3::UnitZ()));
+        EXPECT_EQ(closed.opening().width_mm, kWidth);
+    }
+
+    TEST(Aperture, ItsWallCountsMostWhereTheHoleIsWide)
+    {
+        EXPECT_NEAR(thickness_at_aperture(straight()), kSkin - kInner, 1e-9);
+        std::vector<ApertureSection> wedge = straight();
+        wedge.front().inner.z() += 25.0; // at the ends the hole is closed
+        wedge.back().inner.z() += 25.0;
+        EXPECT_NEAR(thickness_at_aperture(wedge), kSkin - kInner, 1e-3);
+        EXPECT_EQ(thickness_at_aperture({ straight().front() }), kSkin - kInner);
+    }
+
     TEST(Aperture, ShowsTheBestEyeWhatTheSameHoleInPlatesShows)
     {
         const RayScene open(
             ring(0.0, kDisc, 0.0), { { .name = "wall", .surface = {}, .labels = {}, .material = {} } }, {});
-        const RayScene behind(open, Aperture(straight(), kWidth), "wall");
+        const RayScene behind(open, Aperture(straight(), kParallel), "wall");
         const RayScene plates(
             ring(0.0, kDisc, 0.0), { wall(plate_with_lens(kSkin)), wall(plate_with_lens(kInner)) }, {});
         const EyePlaces places { .cone = from_above(kEye, 20.0, 37), .nearest_mm = 300.0, .farthest_mm = 500.0 };
@@ -104,7 +140,7 @@ namespace aperture_test {
             const Vec3 out(std::sin(deg * kPi / 180.0), 0, std::cos(deg * kPi / 180.0));
             sections.push_back({ .skin = 100.0 * out, .inner = 80.0 * out });
         }
-        const Aperture aperture(sections, 20.0);
+        const Aperture aperture(sections, { .skin_mm = 20.0, .inner_mm = 20.0 });
         for (const double deg : { -38.0, -20.0, 1.0, 30.0 }) {
             const Vec3 out(std::sin(deg * kPi / 180.0), 0, std::cos(deg * kPi / 180.0));
             EXPECT_TRUE(aperture.passes(50.0 * out, out)) << deg;
@@ -119,17 +155,18 @@ namespace aperture_test {
 
     TEST(Aperture, RefusesWhatIsNoHole)
     {
-        EXPECT_THROW(Aperture({ straight().front() }, kWidth), InputError);
-        EXPECT_THROW(Aperture(straight(), 0.0), InputError);
-        EXPECT_THROW(Aperture(straight(), std::numeric_limits<double>::quiet_NaN()), InputError);
+        EXPECT_THROW(Aperture({ straight().front() }, kParallel), InputError);
+        EXPECT_THROW(Aperture(straight(), { .skin_mm = 0.0, .inner_mm = 10.0 }), InputError);
+        EXPECT_THROW(Aperture(straight(), { .skin_mm = kNaN, .inner_mm = 10.0 }), InputError);
+        EXPECT_THROW(Aperture(straight(), { .skin_mm = kWidth, .inner_mm = kNaN }), InputError);
         std::vector<ApertureSection> twice { straight()[0], straight()[0] };
-        EXPECT_THROW(Aperture(twice, kWidth), InputError);
+        EXPECT_THROW(Aperture(twice, kParallel), InputError);
         std::vector<ApertureSection> flat = straight();
         for (ApertureSection& section : flat)
             section.inner = section.skin;
-        EXPECT_THROW(Aperture(flat, kWidth), InputError);
+        EXPECT_THROW(Aperture(flat, kParallel), InputError);
         const RayScene scene(ring(0.0, kDisc, 0.0), {}, {});
-        EXPECT_THROW(RayScene(scene, Aperture(straight(), kWidth), "wall"), InputError);
+        EXPECT_THROW(RayScene(scene, Aperture(straight(), kParallel), "wall"), InputError);
     }
 
 } // namespace aperture_test

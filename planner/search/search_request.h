@@ -1,0 +1,66 @@
+#pragma once
+// What a search for incisions is asked for, and an incision that it has found. Units mm, degrees; frame patient LPS.
+
+#include "planner/approach/intercostal_space.h"
+#include "planner/case/approach.h"
+#include "planner/measures/ranking.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace retractor::planner {
+
+struct SearchLimits {
+    double shortest_mm = 60.0, longest_mm = 180.0; ///< of incisions over spaces and on the skin
+    bool left = true, right = true; ///< sides whose spaces are tried
+    int highest_space = 1, lowest_space = 11;
+    bool saw = true; ///< the sternum may be sawn through
+    /// The blade keeps this distance from structures at risk, about a voxel; a saw through the sternum need not,
+    /// because its foot runs between bone and heart.
+    double from_risk_mm = 2.0;
+    double least_seen = 0.05; ///< of FoundIncision::seen; what shows less is no proposal
+};
+
+/// Openings that a plan can compute on most patients, mm. Surgeons may open wider.
+inline constexpr double kSternumOpeningMm = 40.0, kRibOpeningMm = 30.0;
+
+/// With rays and picture, a search on a patient's chest then took 287 s on two cores (ct/chest_half; ours).
+inline constexpr double kDraftTimeS = 260.0;
+
+struct SearchRequest {
+    TargetSpec target;
+    SearchLimits limits {};
+    Weights weights = default_weights();
+    /// Between hooks or blades; 0: kSternumOpeningMm and kRibOpeningMm. A short incision opens less.
+    double opening_mm = 0.0;
+    std::string retractor {}, hooks {}; ///< as OpenedBy; both empty: the retractor that is usual there
+    SizingSpec sizing {};
+    ViewSpec view {};
+    std::vector<std::string> retracted {}; ///< organs held aside besides lungs, pericardium and fat of the mediastinum
+    bool anywhere = false; ///< straight lines on the skin instead of spaces and sternum
+    unsigned seed = 0;
+    /// Time for the draft plans, s. Incisions that are not planned by then are named. Not set: all the time they need.
+    std::optional<double> draft_s = kDraftTimeS;
+};
+
+/// An incision that was tried.
+struct FoundIncision {
+    enum class Kind { space, sternum, skin };
+    Kind kind = Kind::skin;
+    std::optional<SpaceNumber> space {};
+    double angle_deg = 0.0; ///< of the middle round the chest; over a space
+    double along_mm = 0.0; ///< of the middle, along the space's line
+    Vec3 middle = Vec3::Zero(); ///< on the skin
+    std::vector<Vec3> points {}; ///< on the skin
+    double length_mm = 0.0;
+    double opening_mm = 0.0; ///< width of the hole
+    double own_seen = 0.0, own_reached = 0.0; ///< shares of what the eyes at this incision could see
+    bool near_risk = false; ///< a structure at risk lies nearer to the blade than the limits allow
+    /// What rays tell. Here the shares of the target are of the largest area that an eye at any of the incisions would
+    /// see with the wall removed, so that an incision on the side where organs hide the target gets what it shows.
+    Candidate candidate {};
+    double points_of_100 = 0.0; ///< score without the force
+};
+
+} // namespace retractor::planner

@@ -25,7 +25,8 @@ This page is generated from the programs' own `--help` by `docs/generate_referen
 
 Options that every command of `retractor` has: `--json` prints one JSON document to standard output and nothing else
 there, `--profile` lists the parts built with time and memory, `--threads N` limits the threads. They may stand before
-or after the command. Progress goes to standard error, and is silent where that is no terminal.
+or after the command. Progress goes to standard error: one line on a terminal, at most one line every half
+minute in a log.
 
 Exit codes: 0 done, 1 it failed or the answer is a refusal, 2 wrong usage or bad input.
 """

@@ -196,14 +196,6 @@ std::vector<HookSpec> blades_of(const Approach& approach)
     return blades;
 }
 
-double blade_play(const RetractorSpec& retractor)
-{
-    const double play = retractor.play_deg * std::numbers::pi / 180.0;
-    if (retractor.force_N)
-        return play; // how far it opens is not known
-    return std::min(play, std::asin(std::clamp(0.5 * retractor.opening_mm / retractor.blade_depth_mm, 0.0, 1.0)));
-}
-
 fem::BladeFrame blade_frame_of(const Approach& approach)
 {
     RETRACTOR_ASSERT(approach.retractor && approach.hooks.size() == 2);
@@ -216,7 +208,7 @@ fem::BladeFrame blade_frame_of(const Approach& approach)
         frame[k] = { .pivot = place.centre - blade.depth_mm * place.depth,
             .arm = arm.normalized(),
             .outward = blade.direction,
-            .play = blade_play(*approach.retractor) };
+            .play = approach.retractor->play_deg * std::numbers::pi / 180.0 };
     }
     return frame;
 }

@@ -64,10 +64,6 @@ Approach with_retractor_at(Approach approach, RetractorSpec cranked, const Vec3&
 /// @throws InputError where the wall is too thin for the blades
 std::vector<HookSpec> blades_of(const Approach& approach);
 
-/// How far a blade can turn about its arm, rad: by its play, or until the ends of the two blades meet, where the
-/// opening is given.
-double blade_play(const RetractorSpec& retractor);
-
 /// The frame, for the solver. The pivots lie on the incision, where the arms are.
 /// @pre approach.retractor, and approach.hooks are blades_of() the approach
 fem::BladeFrame blade_frame_of(const Approach& approach);

@@ -1,6 +1,7 @@
 #include "planner/measures/risk_distances.h"
 
 #include "mesh/base/assert.h"
+#include "mesh/base/error.h"
 #include "mesh/surface/proximity.h"
 
 #include <algorithm>
@@ -41,31 +42,69 @@ namespace {
         return nearest;
     }
 
+    /// @param met labels through which the blade goes
+    std::vector<RiskDistance> distances_from(const TriMesh& blade, const std::set<Label>& met,
+        const mesh::LabelTable& table,
+        const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of)
+    {
+        const mesh::TriangleProximity proximity(blade.vertices, blade.triangles, kFarthestRiskMm);
+        std::vector<RiskDistance> distances;
+        for (const mesh::LabelInfo& info : table) {
+            if (info.role != mesh::Role::at_risk)
+                continue;
+            const std::shared_ptr<const TriMesh> surface = surface_of(info.name);
+            RETRACTOR_ASSERT(surface != nullptr);
+            std::optional<RiskDistance> nearest = nearest_vertex(*surface, proximity);
+            if (!nearest)
+                continue;
+            nearest->name = info.name;
+            if (met.contains(info.id))
+                nearest->distance_mm = 0.0;
+            distances.push_back(*std::move(nearest));
+        }
+        std::stable_sort(distances.begin(), distances.end(),
+            [](const RiskDistance& a, const RiskDistance& b) { return a.distance_mm < b.distance_mm; });
+        return distances;
+    }
+
 } // namespace
 
 std::vector<RiskDistance> risk_distances(const mesh::Blade& blade, const mesh::LabelVolume& labels,
     const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of)
 {
     const mesh::SweptBlade swept(blade);
-    const mesh::TriangleProximity proximity(swept.surface().vertices, swept.surface().triangles, kFarthestRiskMm);
-    const std::set<Label> met = labels_on_blade(swept, labels);
-    std::vector<RiskDistance> distances;
-    for (const mesh::LabelInfo& info : labels.table) {
-        if (info.role != mesh::Role::at_risk)
+    return distances_from(swept.surface(), labels_on_blade(swept, labels), labels.table, surface_of);
+}
+
+std::vector<RiskDistance> saw_risk_distances(std::span<const Vec3> skin, std::span<const Vec3> inner,
+    const mesh::LabelVolume& labels, const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of)
+{
+    if (skin.size() < 2 || skin.size() != inner.size())
+        throw InputError("a saw's way needs two places or more on the skin, and as many on the inner side of the wall");
+    const double step = 0.5 * labels.grid.spacing.minCoeff();
+    TriMesh way;
+    way.vertices.resize(2 * static_cast<Eigen::Index>(skin.size()), 3);
+    std::set<Label> met;
+    for (std::size_t n = 0; n < skin.size(); ++n) {
+        const auto v = static_cast<VertexId>(2 * n);
+        way.vertices.row(v) = skin[n].transpose();
+        way.vertices.row(v + 1) = inner[n].transpose();
+        if (n == 0)
             continue;
-        const std::shared_ptr<const TriMesh> surface = surface_of(info.name);
-        RETRACTOR_ASSERT(surface != nullptr);
-        std::optional<RiskDistance> nearest = nearest_vertex(*surface, proximity);
-        if (!nearest)
-            continue;
-        nearest->name = info.name;
-        if (met.contains(info.id))
-            nearest->distance_mm = 0.0;
-        distances.push_back(*std::move(nearest));
+        way.triangles.push_back({ v - 2, v, v + 1 });
+        way.triangles.push_back({ v - 2, v + 1, v - 1 });
+        // Between two places, without the last half voxel at the inner side, which may hold what lies against it.
+        const double along_mm = std::max((skin[n] - skin[n - 1]).norm(), (inner[n] - inner[n - 1]).norm());
+        const int along_steps = std::max(1, static_cast<int>(std::ceil(along_mm / step)));
+        for (int i = 0; i <= along_steps; ++i) {
+            const double t = static_cast<double>(i) / along_steps;
+            const Vec3 top = (1.0 - t) * skin[n - 1] + t * skin[n], foot = (1.0 - t) * inner[n - 1] + t * inner[n];
+            const double depth = (foot - top).norm() - step;
+            for (double at = 0.0; at < depth; at += step)
+                met.insert(mesh::label_at(labels, top + at * (foot - top).normalized()));
+        }
     }
-    std::stable_sort(distances.begin(), distances.end(),
-        [](const RiskDistance& a, const RiskDistance& b) { return a.distance_mm < b.distance_mm; });
-    return distances;
+    return distances_from(way, met, labels.table, surface_of);
 }
 
 std::vector<RiskDistance> risk_distances(const TriMesh& instrument, const std::string& name,

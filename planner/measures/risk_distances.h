@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,13 @@ inline constexpr double kFarthestRiskMm = 50.0;
 /// @param surface_of the surface of a label, by name; may be empty
 std::vector<RiskDistance> risk_distances(const mesh::Blade& blade, const mesh::LabelVolume& labels,
     const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of);
+
+/// The distances of the same labels from a saw that goes through bone from the skin to the inner side of the wall, and
+/// no deeper, because its foot runs there. What lies against the bone is near, and is not sawn.
+/// @param skin, inner places along the cut, in order, and those on the inner side of the wall below them
+/// @throws InputError on fewer than two places, or not as many on both sides
+std::vector<RiskDistance> saw_risk_distances(std::span<const Vec3> skin, std::span<const Vec3> inner,
+    const mesh::LabelVolume& labels, const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of);
 
 /// The distances of the same labels from an instrument of steel, with its name as RiskDistance::from. An instrument
 /// that lies in a structure has a distance near 0. Organs are where the CT shows them.

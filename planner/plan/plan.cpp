@@ -1,4 +1,5 @@
 #include "planner/plan/plan.h"
+#include "planner/approach/divided_bones.h"
 #include "planner/approach/hook_mesh.h"
 
 #include "mesh/base/assert.h"
@@ -276,11 +277,23 @@ namespace {
             planned_case.label_table, field.opening.inverted_elements);
     }
 
-    /// Distances from the skin cut and from the strokes of the division.
+    /// Distances from the skin cut and from the strokes of the division. A saw through the sternum ends where the wall
+    /// does; the blade of a knife is deeper, by the margin of Approach::depth_mm.
     std::vector<RiskDistance> risks_of(const Approach& approach, Patient& patient)
     {
         const auto surface_of = [&](std::string_view name) { return patient.organ(name); };
-        std::vector<RiskDistance> risks = risk_distances(blade_of(approach), *patient.labels(), surface_of);
+        const auto labels = patient.labels();
+        const std::vector<std::string> sawn = divided_bones(*labels, approach);
+        std::vector<RiskDistance> risks;
+        if (std::ranges::find(sawn, "sternum") != sawn.end()
+            && approach.wall_thickness_mm.size() == approach.incision.size()) {
+            std::vector<Vec3> inner;
+            for (std::size_t n = 0; n < approach.incision.size(); ++n)
+                inner.push_back(approach.incision[n] + approach.wall_thickness_mm[n] * approach.directions[n]);
+            risks = saw_risk_distances(approach.incision, inner, *labels, surface_of);
+        } else {
+            risks = risk_distances(blade_of(approach), *labels, surface_of);
+        }
         for (const DivisionStroke& stroke : approach.division.strokes)
             for (RiskDistance& risk : risk_distances(blade_of(stroke), *patient.labels(), surface_of))
                 risks.push_back(std::move(risk));

@@ -166,6 +166,21 @@ std::vector<RiskDistance> ApertureScorer::risks_beside(const std::vector<Apertur
     return nearest_risks(std::move(nearest));
 }
 
+std::shared_ptr<const TriMesh> ApertureScorer::surface_of(std::string_view organ) const
+{
+    return patient_.has_voxels(organ) ? patient_.organ(organ) : std::make_shared<const TriMesh>();
+}
+
+std::vector<RiskDistance> ApertureScorer::risks_of_saw(const std::vector<ApertureSection>& sections) const
+{
+    std::vector<Vec3> skin, inner;
+    for (const ApertureSection& section : sections) {
+        skin.push_back(section.skin);
+        inner.push_back(section.inner);
+    }
+    return saw_risk_distances(skin, inner, *labels_, [this](std::string_view organ) { return surface_of(organ); });
+}
+
 std::vector<RiskDistance> ApertureScorer::exact_risks(const std::vector<ApertureSection>& sections) const
 {
     mesh::Blade blade;
@@ -175,9 +190,7 @@ std::vector<RiskDistance> ApertureScorer::exact_risks(const std::vector<Aperture
         blade.directions.push_back((section.inner - section.skin).normalized());
         blade.depth_mm = std::max(blade.depth_mm, (section.inner - section.skin).norm() + kDepthMarginMm);
     }
-    return risk_distances(blade, *labels_, [this](std::string_view name) {
-        return patient_.has_voxels(name) ? patient_.organ(name) : std::make_shared<const TriMesh>();
-    });
+    return risk_distances(blade, *labels_, [this](std::string_view organ) { return surface_of(organ); });
 }
 
 Candidate ApertureScorer::score(const std::vector<ApertureSection>& sections, const ApertureWidth& width,
@@ -200,7 +213,7 @@ Candidate ApertureScorer::score(const std::vector<ApertureSection>& sections, co
     field.coaxiality_deg = 180.0 / std::numbers::pi * std::acos(std::clamp(cosine, -1.0, 1.0));
     field.incision_length_mm = opening.incision_length_mm;
     field.opening_width_mm = width.skin_mm;
-    field.at_risk = risks_beside(sections);
+    field.at_risk = kind == ApertureKind::sternum ? risks_of_saw(sections) : risks_beside(sections);
     if (kind == ApertureKind::sternum)
         candidate.divided_bones = { "sternum" };
     return candidate;

@@ -15,6 +15,7 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor::planner {
@@ -58,8 +59,8 @@ public:
     /// @throws InputError, IoError as Patient does for a surface that is missing
     void prepare(ApertureKind kind) { static_cast<void>(scene_of(kind)); }
 
-    /// Distances of structures at risk from the blade, as risk_distances() measures them on whole surfaces. score()
-    /// takes points 3 mm apart.
+    /// Distances of structures at risk from a knife's blade, as risk_distances() measures them on whole surfaces.
+    /// score() takes points 3 mm apart for a knife, and whole surfaces for the one saw.
     std::vector<RiskDistance> exact_risks(const std::vector<ApertureSection>& sections) const;
 
 private:
@@ -70,6 +71,8 @@ private:
 
     const RayScene& scene_of(ApertureKind kind);
     std::vector<RiskDistance> risks_beside(const std::vector<ApertureSection>& sections) const;
+    std::vector<RiskDistance> risks_of_saw(const std::vector<ApertureSection>& sections) const;
+    std::shared_ptr<const TriMesh> surface_of(std::string_view organ) const;
     std::set<Label> labels_on_blade(const std::vector<ApertureSection>& sections) const;
 
     Patient& patient_;

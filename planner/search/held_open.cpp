@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace retractor::planner {
 
@@ -39,10 +40,7 @@ ApertureWidth hole_width(const FoundIncision& incision, double wall_mm, const Se
     if (opened.retractor.empty())
         return { .skin_mm = opened.opening_mm, .inner_mm = opened.opening_mm };
     const RetractorKind& kind = find_retractor(built_in_retractors(), opened.retractor);
-    const double turn = blade_play({ .kind = kind.kind,
-        .opening_mm = opened.opening_mm,
-        .blade_depth_mm = kind.blade_depth_mm,
-        .play_deg = kind.play_deg });
+    const double turn = kind.play_deg * std::numbers::pi / 180.0;
     const double skin = std::max(kLeastMm, opened.opening_mm - 2.0 * kBladeThicknessMm);
     return { .skin_mm = skin, .inner_mm = skin - 2.0 * wall_mm * std::tan(turn) };
 }

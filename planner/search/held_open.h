@@ -17,9 +17,11 @@ OpenedBy opening_of(const FoundIncision& incision, const SearchRequest& request)
 /// opens. Between ribs these are rib spreader and small retractor, at the sternum sternal and rib spreader.
 std::string other_retractor(const FoundIncision& incision, const SearchRequest& request);
 
-/// The hole between the two blades of steel. They turn about their arms to the end of their play, because all that they
-/// bear on lies below the arms, so that the hole narrows below the skin. Hooks leave it as wide as it is on the skin.
+/// The hole between the faces of the two blades. They turn about their arms to the end of their play, because all that
+/// they bear on lies below the arms, so that the hole narrows below the skin. Hooks do not turn, and their steel, which
+/// is narrow, is left out.
 /// @param wall_mm thickness of the wall
+/// @throws InputError on an unknown SearchRequest::retractor
 ApertureWidth hole_width(const FoundIncision& incision, double wall_mm, const SearchRequest& request);
 
 } // namespace retractor::planner

@@ -149,8 +149,8 @@ namespace {
             incision.kind = kind_of(kind);
             incision.length_mm = length_mm;
             incision.opening_mm = width_of(length_mm, kind);
+            const ApertureWidth width = hole_width(incision, thickness_at_aperture(sections), request);
             try {
-                const ApertureWidth width = hole_width(incision, thickness_at_aperture(sections), request);
                 incision.candidate = scorer.score(sections, width, kind, samples);
             } catch (const InputError&) {
                 return std::nullopt;
@@ -158,7 +158,7 @@ namespace {
             const FieldMetrics& field = incision.candidate.field;
             incision.own_seen = field.seen_best_eye;
             incision.own_reached = field.reached_by_two_instruments;
-            incision.near_risk = is_near_risk(field.at_risk);
+            incision.near_risk = is_near_risk(incision);
             for (const ApertureSection& section : sections)
                 incision.points.push_back(section.skin);
             const std::size_t last = incision.points.size() - 1;
@@ -167,16 +167,17 @@ namespace {
             return incision;
         }
 
-        bool is_near_risk(const std::vector<RiskDistance>& risks) const
+        /// A saw through the sternum runs on a foot behind the bone, so the heart may lie against it.
+        bool is_near_risk(const FoundIncision& incision) const
         {
-            return !risks.empty() && risks.front().distance_mm < request.limits.from_risk_mm;
+            const std::vector<RiskDistance>& risks = incision.candidate.field.at_risk;
+            return incision.kind != FoundIncision::Kind::sternum && !risks.empty()
+                && risks.front().distance_mm < request.limits.from_risk_mm;
         }
 
         bool is_proposal(const FoundIncision& incision) const
         {
-            // A saw runs on a foot behind the sternum, so the heart may lie against it.
-            const bool keeps_off = !incision.near_risk || incision.kind == FoundIncision::Kind::sternum;
-            return keeps_off && incision.candidate.field.seen_best_eye >= request.limits.least_seen;
+            return !incision.near_risk && incision.candidate.field.seen_best_eye >= request.limits.least_seen;
         }
 
         /// Turns the shares of what this incision's eyes could see into shares of the largest area known.
@@ -195,15 +196,18 @@ namespace {
             largest_bound_mm2 = std::max(largest_bound_mm2, incision.candidate.field.best_eye.bound_area_mm2);
         }
 
-        /// Measures the distances from structures at risk on their whole surfaces, as plans do.
+        /// Measures the distances from structures at risk on their whole surfaces, as plans do. Those of the saw are
+        /// measured so already.
         void measure_risks(FoundIncision& incision, const std::vector<ApertureSection>& sections)
         {
+            if (incision.kind == FoundIncision::Kind::sternum)
+                return rescale(incision);
             try {
                 incision.candidate.field.at_risk = scorer.exact_risks(sections);
             } catch (const InputError&) { // a blade that folds over itself is refused when its approach is made
                 return;
             }
-            incision.near_risk = is_near_risk(incision.candidate.field.at_risk);
+            incision.near_risk = is_near_risk(incision);
             rescale(incision);
         }
 

@@ -11,13 +11,11 @@
 // skin, each shifted by the seed, and then steps from the best of them, halving the steps.
 
 #include "mesh/base/job.h"
-#include "planner/case/approach.h"
 #include "planner/case/patient.h"
 #include "planner/measures/ranking.h"
 #include "planner/search/search_request.h"
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 

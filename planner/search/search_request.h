@@ -1,6 +1,7 @@
 #pragma once
 // What a search for incisions is asked for, and an incision that it has found. Units mm, degrees; frame patient LPS.
 
+#include "mesh/base/geometry.h"
 #include "planner/approach/intercostal_space.h"
 #include "planner/case/approach.h"
 #include "planner/measures/ranking.h"
@@ -19,7 +20,8 @@ struct SearchLimits {
     /// The blade keeps this distance from structures at risk, about a voxel; a saw through the sternum need not,
     /// because its foot runs between bone and heart.
     double from_risk_mm = 2.0;
-    double least_seen = 0.05; ///< of FoundIncision::seen; what shows less is no proposal
+    /// What shows a smaller share is no proposal; of the same area as the shares of FoundIncision::candidate.
+    double least_seen = 0.05;
 };
 
 /// Openings that a plan can compute on most patients, mm. Surgeons may open wider.
@@ -54,7 +56,7 @@ struct FoundIncision {
     Vec3 middle = Vec3::Zero(); ///< on the skin
     std::vector<Vec3> points {}; ///< on the skin
     double length_mm = 0.0;
-    double opening_mm = 0.0; ///< width of the hole
+    double opening_mm = 0.0; ///< between hooks or blades on the skin; the hole is narrower by their steel
     double own_seen = 0.0, own_reached = 0.0; ///< shares of what the eyes at this incision could see
     bool near_risk = false; ///< a structure at risk lies nearer to the blade than the limits allow
     /// What rays tell. Here the shares of the target are of the largest area that an eye at any of the incisions would

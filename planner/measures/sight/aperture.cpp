@@ -1,5 +1,6 @@
 #include "planner/measures/sight/aperture.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
@@ -52,6 +53,7 @@ namespace {
 
 double thickness_at_aperture(const std::vector<ApertureSection>& sections)
 {
+    RETRACTOR_ASSERT(!sections.empty());
     if (sections.size() == 1)
         return (sections.front().skin - sections.front().inner).norm();
     double sum = 0.0, weights = 0.0;

@@ -21,7 +21,7 @@ struct ApertureSection {
 /// Thickness of the wall, weighted by the width of the hole along the line. @pre sections are not empty
 double thickness_at_aperture(const std::vector<ApertureSection>& sections);
 
-/// Between the lips in the middle of the line.
+/// Between what holds the lips, in the middle of the line.
 struct ApertureWidth {
     double skin_mm = 0.0;
     double inner_mm = 0.0; ///< on the inner side of the wall; 0 or less: the hole is closed there

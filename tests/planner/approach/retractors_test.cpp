@@ -89,17 +89,6 @@ namespace retractors_test {
         }
     }
 
-    TEST(Retractors, BladesTurnNoFartherThanUntilTheirEndsMeet)
-    {
-        RetractorSpec retractor { .kind = "mine", .opening_mm = 60.0, .blade_depth_mm = 65.0, .play_deg = 5.0 };
-        EXPECT_NEAR(blade_play(retractor), 5.0 * std::numbers::pi / 180.0, kRoundOff);
-        retractor.opening_mm = 8.0;
-        const double turn = blade_play(retractor);
-        EXPECT_NEAR(65.0 * std::sin(turn), 4.0, kRoundOff); // each end in the middle
-        retractor.force_N = 100.0;
-        EXPECT_NEAR(blade_play(retractor), 5.0 * std::numbers::pi / 180.0, kRoundOff);
-    }
-
     TEST(Retractors, AShortBladeHoldsTheTissueBelowTheSkin)
     {
         Approach approach = with_retractor("midcab", { .opening_mm = 20.0 });

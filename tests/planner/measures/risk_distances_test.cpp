@@ -1,9 +1,12 @@
 #include "planner/measures/risk_distances.h"
 
+#include "mesh/base/error.h"
+
 #include <gtest/gtest.h>
 
 #include <map>
 #include <string>
+#include <vector>
 
 namespace retractor::planner {
 namespace risk_distances_test {
@@ -54,6 +57,27 @@ namespace risk_distances_test {
     };
 
     constexpr double kRoundOff = 1e-9; // mm
+
+    TEST(RiskDistances, ASawEndsWhereTheWallDoes)
+    {
+        Organs organs;
+        organs.add("heart", mesh::Role::at_risk, Vec3(20.0, 15.0, 20.0), Vec3(60.0, 60.0, 50.0));
+        organs.add("aorta", mesh::Role::at_risk, Vec3(38.0, 4.0, 40.0), Vec3(42.0, 8.0, 44.0));
+        const auto surface_of = [&](std::string_view name) { return organs.surfaces.find(name)->second; };
+        // From the skin at y = 0 to the inner side at y = 15 mm, where the heart begins; a vessel crosses the bone.
+        const std::vector<Vec3> skin { { 40.0, 0.0, 10.0 }, { 40.0, 0.0, 60.0 } },
+            inner { { 40.0, 15.0, 10.0 }, { 40.0, 15.0, 60.0 } };
+        const std::vector<RiskDistance> risks = saw_risk_distances(skin, inner, organs.labels, surface_of);
+        ASSERT_EQ(risks.size(), 2U);
+        EXPECT_EQ(risks[0].name, "aorta");
+        EXPECT_EQ(risks[0].distance_mm, 0.0) << "it is sawn";
+        EXPECT_EQ(risks[1].name, "heart");
+        EXPECT_NEAR(risks[1].distance_mm, 20.0, kRoundOff) << "to its nearest corner, beside the saw's way";
+        const std::vector<RiskDistance> by_knife = organs.distances();
+        EXPECT_EQ(by_knife[1].distance_mm, 0.0) << "a knife that goes 20 mm deep cuts it";
+        EXPECT_THROW(
+            static_cast<void>(saw_risk_distances(skin, { inner.data(), 1 }, organs.labels, surface_of)), InputError);
+    }
 
     TEST(RiskDistances, AreTheShortestToTheBladeAndTheNearestComesFirst)
     {

@@ -1,10 +1,7 @@
 #include "planner/search/incision_search.h"
 
 #include "mesh/base/error.h"
-#include "planner/approach/hook_mesh.h"
-#include "planner/approach/retractors.h"
 #include "planner/search/found_approach.h"
-#include "planner/search/held_open.h"
 #include "planner/search/search_plans.h"
 #include "tests/support/block_case.h"
 #include "tests/support/label_shapes.h"
@@ -170,47 +167,6 @@ namespace incision_search_test {
         }
     }
 
-    TEST(IncisionSearch, AnotherRetractorIsOneThatFits)
-    {
-        SearchRequest request;
-        FoundIncision small, broad, sternum;
-        small.length_mm = 80.0;
-        broad.length_mm = 140.0;
-        sternum.length_mm = 200.0;
-        small.kind = broad.kind = FoundIncision::Kind::space;
-        sternum.kind = FoundIncision::Kind::sternum;
-        for (FoundIncision* incision : { &small, &broad, &sternum })
-            incision->opening_mm = 40.0;
-        EXPECT_EQ(other_retractor(small, request), "finochietto");
-        EXPECT_EQ(other_retractor(broad, request), "midcab");
-        EXPECT_EQ(other_retractor(sternum, request), "finochietto");
-        broad.opening_mm = 100.0; // wider than the small one goes
-        EXPECT_EQ(other_retractor(broad, request), "");
-        small.length_mm = 45.0; // shorter than its blades
-        EXPECT_EQ(other_retractor(small, request), "");
-        request.retractor = "sternal"; // who names one gets that one
-        EXPECT_EQ(other_retractor(sternum, request), "");
-    }
-
-    TEST(IncisionSearch, BladesThatTurnNarrowTheHoleBelowTheSkin)
-    {
-        SearchRequest request;
-        FoundIncision incision;
-        incision.kind = FoundIncision::Kind::space;
-        incision.length_mm = 140.0;
-        incision.opening_mm = 40.0;
-        constexpr double kWallMm = 35.0;
-        const ApertureWidth width = hole_width(incision, kWallMm, request);
-        const RetractorKind& rib_spreader = find_retractor(built_in_retractors(), "finochietto");
-        EXPECT_NEAR(width.skin_mm, 40.0 - 2.0 * kBladeThicknessMm, 1e-9);
-        EXPECT_NEAR(width.inner_mm,
-            width.skin_mm - 2.0 * kWallMm * std::tan(rib_spreader.play_deg * std::numbers::pi / 180.0), 1e-9);
-        incision.opening_mm = 4.0; // the blades' ends meet before the play ends
-        EXPECT_GT(hole_width(incision, kWallMm, request).inner_mm, -2.0 * kBladeThicknessMm);
-        request.hooks = "2"; // hooks do not turn
-        EXPECT_EQ(hole_width(incision, kWallMm, request).inner_mm, 4.0);
-    }
-
     TEST(IncisionSearch, ASternumIsSawnAlsoWhereAStructureAtRiskLiesAgainstIt)
     {
         SearchRequest request = chest_request();
@@ -220,7 +176,9 @@ namespace incision_search_test {
         const IncisionSearch search = search_incisions(chest(), request);
         ASSERT_EQ(search.found.size(), 1U);
         EXPECT_EQ(search.found.front().kind, FoundIncision::Kind::sternum);
-        EXPECT_TRUE(search.found.front().near_risk);
+        EXPECT_FALSE(search.found.front().near_risk) << "nothing forbids it";
+        ASSERT_FALSE(search.found.front().candidate.field.at_risk.empty()) << "but the distance is told";
+        EXPECT_LT(search.found.front().candidate.field.at_risk.front().distance_mm, 100.0);
     }
 
     TEST(IncisionSearch, MakesTheApproachThatItFound)

@@ -107,11 +107,25 @@ namespace {
         Json points = Json::array();
         for (const Vec3& point : incision.points)
             points.push_back({ point.x(), point.y(), point.z() });
+        Json nearest = nullptr;
+        if (!field.at_risk.empty())
+            nearest = { { "name", field.at_risk.front().name }, { "distance_mm", field.at_risk.front().distance_mm } };
         return { { "place", planner::place_in_words(incision) }, { "length_mm", incision.length_mm },
             { "opening_mm", incision.opening_mm }, { "points_without_force", incision.points_of_100 },
             { "seen_of_what_can_be_seen", field.seen_best_eye },
             { "reached_of_what_can_be_seen", field.reached_by_two_instruments },
-            { "coaxiality_deg", field.coaxiality_deg }, { "points_mm", points } };
+            { "coaxiality_deg", field.coaxiality_deg }, { "points_mm", points }, { "nearest_at_risk", nearest } };
+    }
+
+    /// ", heart 0.4 mm from the saw"; empty: nothing is near.
+    std::string near_risk_text(const planner::FoundIncision& incision)
+    {
+        constexpr double kNearMm = 2.0;
+        const std::vector<planner::RiskDistance>& risks = incision.candidate.field.at_risk;
+        if (risks.empty() || risks.front().distance_mm >= kNearMm)
+            return {};
+        return ", " + readable(risks.front().name) + " " + in_words(risks.front().distance_mm, 1) + " mm from the "
+            + (incision.kind == planner::FoundIncision::Kind::sternum ? "saw" : "blade");
     }
 
     std::string sweep_text(const planner::IncisionSearch& search)
@@ -126,7 +140,7 @@ namespace {
             text += formatted("%2zu. %3.0f points  seen %3.0f %%, 2 instruments %3.0f %%, %2.0f deg off the straight "
                               "view  %s\n",
                 n + 1, incision.points_of_100, 100.0 * field.seen_best_eye, 100.0 * field.reached_by_two_instruments,
-                field.coaxiality_deg, planner::place_in_words(incision).c_str());
+                field.coaxiality_deg, (planner::place_in_words(incision) + near_risk_text(incision)).c_str());
         }
         constexpr int kHighSpace = 2;
         if (std::ranges::any_of(search.found,
@@ -271,7 +285,8 @@ void add_search_command(Commands& commands)
     command->add_option("--length", options->length, "Length of the incision, mm, such as 60-120 (default: 60-180)");
     command->add_flag("--no-saw", options->no_saw, "The sternum is not sawn through");
     command
-        ->add_option("--from-risk", options->from_risk_mm, "Distance that the blade keeps from structures at risk, mm")
+        ->add_option("--from-risk", options->from_risk_mm,
+            "Distance that a knife keeps from structures at risk, mm; a saw through the sternum need not")
         ->check(in_range(0.0, 100.0))
         ->capture_default_str();
     command

@@ -31,8 +31,6 @@ namespace {
     constexpr int kSkinPlaces = 1500; ///< of incisions anywhere
     /// On the target: of the grid, of the steps from its best places, and of the last steps.
     constexpr int kSamples = 120, kFineSamples = 480, kFinestSamples = 2000;
-    /// A wound opens by half of its length at most: skin that is not stretched spans no more than a flat slit.
-    constexpr double kWidestShare = 0.5;
     constexpr std::size_t kStarts = 12; ///< places from which steps are taken
     constexpr std::size_t kPolished = 4; ///< places from which the last steps are taken
     constexpr double kFirstStepMm = 8.0, kFirstLastStepMm = 8.0, kSmallestStepMm = 0.75;

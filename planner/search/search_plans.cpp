@@ -20,7 +20,7 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr double kNarrowerShare = 2.0 / 3.0; ///< of the opening, in the second round
+    constexpr double kNarrowerShare = 2.0 / 3.0, kWiderShare = 4.0 / 3.0; ///< of the opening, in the second round
 
     std::vector<FoundIncision> best_of(std::vector<FoundIncision> found, std::size_t count)
     {
@@ -151,6 +151,34 @@ namespace {
         return { std::move(proposal) };
     }
 
+    /// The same incision opened otherwise; nothing where it cannot be.
+    std::optional<Proposal> opened_by_share(Proposal proposal, double share, const SearchRequest& request)
+    {
+        OpenedBy opened = opening_of(proposal.incision, request);
+        opened.opening_mm = std::round(share * opened.opening_mm);
+        try {
+            proposal.approach = opened_by(std::move(proposal.approach), opened);
+        } catch (const InputError&) {
+            return std::nullopt;
+        }
+        proposal.incision.opening_mm = opened.opening_mm;
+        proposal.approach.name += "_opened_" + in_words(opened.opening_mm) + "mm";
+        proposal.words += ", opened " + in_words(opened.opening_mm) + " mm";
+        return proposal;
+    }
+
+    /// The best one opened wider, unless the request says how wide or it is as wide as an incision of its length gets.
+    std::optional<Proposal> wider(const Round& round, const SearchRequest& request)
+    {
+        const std::vector<RankedField> ranking = ranking_of(round.plans, request.weights);
+        if (ranking.empty() || request.opening_mm > 0.0)
+            return std::nullopt;
+        const Proposal& best = round.plans.best_first[ranking.front().index].proposal;
+        if (kWiderShare * best.incision.opening_mm > kWidestShare * best.incision.length_mm)
+            return std::nullopt;
+        return opened_by_share(best, kWiderShare, request);
+    }
+
     /// The best two opened less wide. Where fewer could be solved, the first that could not.
     std::vector<Proposal> narrower(const Round& round, const SearchRequest& request)
     {
@@ -163,19 +191,9 @@ namespace {
             if (wide.size() < kVaried)
                 wide.push_back(unsolved);
         std::vector<Proposal> proposals;
-        for (Proposal& proposal : wide) {
-            OpenedBy opened = opening_of(proposal.incision, request);
-            opened.opening_mm = std::round(kNarrowerShare * opened.opening_mm);
-            try {
-                proposal.approach = opened_by(std::move(proposal.approach), opened);
-            } catch (const InputError&) {
-                continue;
-            }
-            proposal.incision.opening_mm = opened.opening_mm;
-            proposal.approach.name += "_opened_" + in_words(opened.opening_mm) + "mm";
-            proposal.words += ", opened " + in_words(opened.opening_mm) + " mm";
-            proposals.push_back(std::move(proposal));
-        }
+        for (Proposal& proposal : wide)
+            if (std::optional<Proposal> opened = opened_by_share(std::move(proposal), kNarrowerShare, request))
+                proposals.push_back(*std::move(opened));
         return proposals;
     }
 
@@ -228,7 +246,11 @@ SearchPlans draft_plans(const Case& planned_case, const std::vector<Proposal>& p
         add_drafts(round, planned_case,
             { proposals.begin() + std::ptrdiff_t(first), proposals.begin() + std::ptrdiff_t(last) }, search, least_seen,
             drafting);
-        std::vector<Proposal> second = narrower(round, request);
+        std::vector<Proposal> second;
+        if (std::optional<Proposal> proposal = wider(round, request))
+            second.push_back(*std::move(proposal));
+        for (Proposal& proposal : narrower(round, request))
+            second.push_back(std::move(proposal));
         for (Proposal& proposal : by_another_retractor(round, request))
             second.push_back(std::move(proposal));
         if (!second.empty())

@@ -81,7 +81,8 @@ std::vector<RiskDistance> saw_risk_distances(std::span<const Vec3> skin, std::sp
 {
     if (skin.size() < 2 || skin.size() != inner.size())
         throw InputError("a saw's way needs two places or more on the skin, and as many on the inner side of the wall");
-    const double step = 0.5 * labels.grid.spacing.minCoeff();
+    constexpr double kRoundOffMm = 1e-6;
+    const double step = 0.5 * labels.grid.spacing.minCoeff(), margin = 0.5 * labels.grid.spacing.maxCoeff();
     TriMesh way;
     way.vertices.resize(2 * static_cast<Eigen::Index>(skin.size()), 3);
     std::set<Label> met;
@@ -93,13 +94,13 @@ std::vector<RiskDistance> saw_risk_distances(std::span<const Vec3> skin, std::sp
             continue;
         way.triangles.push_back({ v - 2, v, v + 1 });
         way.triangles.push_back({ v - 2, v + 1, v - 1 });
-        // Between two places, without the last half voxel at the inner side, which may hold what lies against it.
+        // Between two places, without the last half voxel at the inner side, which may hold what lies against the bone.
         const double along_mm = std::max((skin[n] - skin[n - 1]).norm(), (inner[n] - inner[n - 1]).norm());
         const int along_steps = std::max(1, static_cast<int>(std::ceil(along_mm / step)));
         for (int i = 0; i <= along_steps; ++i) {
             const double t = static_cast<double>(i) / along_steps;
             const Vec3 top = (1.0 - t) * skin[n - 1] + t * skin[n], foot = (1.0 - t) * inner[n - 1] + t * inner[n];
-            const double depth = (foot - top).norm() - step;
+            const double depth = (foot - top).norm() - margin - kRoundOffMm;
             for (double at = 0.0; at < depth; at += step)
                 met.insert(mesh::label_at(labels, top + at * (foot - top).normalized()));
         }

@@ -25,10 +25,11 @@ inline constexpr double kFarthestRiskMm = 50.0;
 std::vector<RiskDistance> risk_distances(const mesh::Blade& blade, const mesh::LabelVolume& labels,
     const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of);
 
-/// The distances of the same labels from a saw that goes through bone from the skin to the inner side of the wall, and
-/// no deeper, because its foot runs there. What lies against the bone is near, and is not sawn.
+/// The distances of the same labels, mm, from a saw that goes through bone from the skin to the inner side of the wall,
+/// and no deeper, because its foot runs there. What lies against the bone is near, and is not sawn (distance 0).
 /// @param skin, inner places along the cut, in order, and those on the inner side of the wall below them
-/// @throws InputError on fewer than two places, or not as many on both sides
+/// @param surface_of as above
+/// @throws InputError on fewer than two places, not as many on both sides, or places that are not finite
 std::vector<RiskDistance> saw_risk_distances(std::span<const Vec3> skin, std::span<const Vec3> inner,
     const mesh::LabelVolume& labels, const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of);
 

@@ -124,6 +124,8 @@ namespace {
         for (const RiskDistance& risk : field.at_risk)
             if (!(risk.distance_mm > 0.0))
                 say(said, Light::injury, "The blade cuts the " + readable(risk.name) + ".");
+            else if (risk.distance_mm < kTouching)
+                say(said, Light::caution, "The cut comes within 2 mm of the " + readable(risk.name) + ".");
         for (const RiskDistance& risk : field.steel_at_risk)
             if (risk.distance_mm < kTouching)
                 say(said, Light::caution,

@@ -277,25 +277,38 @@ namespace {
             planned_case.label_table, field.opening.inverted_elements);
     }
 
-    /// Distances from the skin cut and from the strokes of the division. A saw through the sternum ends where the wall
+    /// The way of a saw through the sternum: to the inner side of the wall, where that was measured. Fewer than two
+    /// places: this is a knife's cut.
+    struct SawWay {
+        std::vector<Vec3> skin, inner;
+    };
+    SawWay saw_way(const Approach& approach, const mesh::LabelVolume& labels)
+    {
+        const std::vector<std::string> sawn = divided_bones(labels, approach);
+        SawWay way;
+        if (std::ranges::find(sawn, "sternum") == sawn.end()
+            || approach.wall_thickness_mm.size() != approach.incision.size())
+            return way;
+        for (std::size_t n = 0; n < approach.incision.size(); ++n)
+            if (approach.wall_thickness_mm[n] < approach.depth_mm) { // else no cavity lies behind the wall there
+                way.skin.push_back(approach.incision[n]);
+                way.inner.push_back(approach.incision[n] + approach.wall_thickness_mm[n] * approach.directions[n]);
+            }
+        return way;
+    }
+
+    /// Distances from the skin cut and from the strokes of the division. A saw along the sternum ends where the wall
     /// does; the blade of a knife is deeper, by the margin of Approach::depth_mm.
     std::vector<RiskDistance> risks_of(const Approach& approach, Patient& patient)
     {
         const auto surface_of = [&](std::string_view name) { return patient.organ(name); };
         const auto labels = patient.labels();
-        const std::vector<std::string> sawn = divided_bones(*labels, approach);
-        std::vector<RiskDistance> risks;
-        if (std::ranges::find(sawn, "sternum") != sawn.end()
-            && approach.wall_thickness_mm.size() == approach.incision.size()) {
-            std::vector<Vec3> inner;
-            for (std::size_t n = 0; n < approach.incision.size(); ++n)
-                inner.push_back(approach.incision[n] + approach.wall_thickness_mm[n] * approach.directions[n]);
-            risks = saw_risk_distances(approach.incision, inner, *labels, surface_of);
-        } else {
-            risks = risk_distances(blade_of(approach), *labels, surface_of);
-        }
+        const SawWay saw = saw_way(approach, *labels);
+        std::vector<RiskDistance> risks = saw.skin.size() >= 2
+            ? saw_risk_distances(saw.skin, saw.inner, *labels, surface_of)
+            : risk_distances(blade_of(approach), *labels, surface_of);
         for (const DivisionStroke& stroke : approach.division.strokes)
-            for (RiskDistance& risk : risk_distances(blade_of(stroke), *patient.labels(), surface_of))
+            for (RiskDistance& risk : risk_distances(blade_of(stroke), *labels, surface_of))
                 risks.push_back(std::move(risk));
         return nearest_risks(std::move(risks));
     }

@@ -164,6 +164,9 @@ namespace verdict_test {
         field.at_risk = { { .name = "heart", .distance_mm = 0.0 } };
         EXPECT_EQ(verdict_of(field).light, Light::injury);
         EXPECT_TRUE(says(verdict_of(field), "The blade cuts the heart."));
+        field.at_risk.front().distance_mm = 0.4; // a saw whose foot runs between bone and heart
+        EXPECT_EQ(verdict_of(field).light, Light::caution);
+        EXPECT_TRUE(says(verdict_of(field), "The cut comes within 2 mm of the heart."));
         field.at_risk.clear();
         field.steel_at_risk = { { .name = "heart", .distance_mm = 0.7, .from = "left_blade" } };
         EXPECT_EQ(verdict_of(field).light, Light::caution);

@@ -3108,6 +3108,10 @@
         <translation>モデルの端で組織がまだ動いています。力は不確かです。</translation>
     </message>
     <message>
+        <source>The cut comes within 2 mm of the %1.</source>
+        <translation>切開は%1から2 mm以内に達します。</translation>
+    </message>
+    <message>
         <source>The blade cuts the %1.</source>
         <translation>刃が%1を切ります。</translation>
     </message>

@@ -165,12 +165,16 @@ namespace {
             return incision;
         }
 
-        /// A saw through the sternum runs on a foot behind the bone, so the heart may lie against it.
+        /// A saw through the sternum runs on a foot behind the bone, so the heart may lie against it; nothing at risk
+        /// may lie in its way.
         bool is_near_risk(const FoundIncision& incision) const
         {
             const std::vector<RiskDistance>& risks = incision.candidate.field.at_risk;
-            return incision.kind != FoundIncision::Kind::sternum && !risks.empty()
-                && risks.front().distance_mm < request.limits.from_risk_mm;
+            if (risks.empty())
+                return false;
+            const double nearest = risks.front().distance_mm;
+            return incision.kind == FoundIncision::Kind::sternum ? !(nearest > 0.0)
+                                                                 : nearest < request.limits.from_risk_mm;
         }
 
         bool is_proposal(const FoundIncision& incision) const
@@ -551,8 +555,10 @@ namespace {
                     + in_words(search.request.limits.shortest_mm) + " mm");
     }
 
-    std::string sternum_objection(const Search& search)
+    std::string sternum_objection(const FoundIncision& sternum, const Search& search)
     {
+        if (sternum.near_risk)
+            return "sternum: the saw passes through the " + readable(sternum.candidate.field.at_risk.front().name);
         return "sternum: shows less than " + in_words(100.0 * search.request.limits.least_seen) + " % of the target";
     }
 
@@ -625,7 +631,7 @@ IncisionSearch search_incisions(Patient& patient, const SearchRequest& request, 
     if (sternum) {
         result.tried.push_back(place_of(best.back().incision));
         if (std::ranges::find(result.found, FoundIncision::Kind::sternum, &FoundIncision::kind) == result.found.end())
-            result.missing.emplace_back(sternum_objection(search));
+            result.missing.emplace_back(sternum_objection(best.back().incision, search));
     }
     result.largest_bound_mm2 = search.largest_bound_mm2;
     result.status = job.cancelled() ? SearchStatus::cancelled : SearchStatus::done;

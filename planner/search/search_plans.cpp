@@ -152,31 +152,33 @@ namespace {
     }
 
     /// The same incision opened otherwise; nothing where it cannot be.
-    std::optional<Proposal> opened_by_share(Proposal proposal, double share, const SearchRequest& request)
+    std::optional<Proposal> opened_as_wide(Proposal proposal, double opening_mm, const SearchRequest& request)
     {
         OpenedBy opened = opening_of(proposal.incision, request);
-        opened.opening_mm = std::round(share * opened.opening_mm);
+        opened.opening_mm = opening_mm;
         try {
             proposal.approach = opened_by(std::move(proposal.approach), opened);
         } catch (const InputError&) {
             return std::nullopt;
         }
-        proposal.incision.opening_mm = opened.opening_mm;
-        proposal.approach.name += "_opened_" + in_words(opened.opening_mm) + "mm";
-        proposal.words += ", opened " + in_words(opened.opening_mm) + " mm";
+        proposal.incision.opening_mm = opening_mm;
+        proposal.approach.name += "_opened_" + in_words(opening_mm) + "mm";
+        proposal.words += ", opened " + in_words(opening_mm) + " mm";
         return proposal;
     }
 
-    /// The best one opened wider, unless the request says how wide or it is as wide as an incision of its length gets.
+    /// The best one opened wider, at most as an incision of its length gets; nothing where the request says how wide.
     std::optional<Proposal> wider(const Round& round, const SearchRequest& request)
     {
         const std::vector<RankedField> ranking = ranking_of(round.plans, request.weights);
         if (ranking.empty() || request.opening_mm > 0.0)
             return std::nullopt;
         const Proposal& best = round.plans.best_first[ranking.front().index].proposal;
-        if (kWiderShare * best.incision.opening_mm > kWidestShare * best.incision.length_mm)
+        const double opening_mm
+            = std::floor(std::min(kWiderShare * best.incision.opening_mm, kWidestShare * best.incision.length_mm));
+        if (opening_mm <= best.incision.opening_mm)
             return std::nullopt;
-        return opened_by_share(best, kWiderShare, request);
+        return opened_as_wide(best, opening_mm, request);
     }
 
     /// The best two opened less wide. Where fewer could be solved, the first that could not.
@@ -191,9 +193,13 @@ namespace {
             if (wide.size() < kVaried)
                 wide.push_back(unsolved);
         std::vector<Proposal> proposals;
-        for (Proposal& proposal : wide)
-            if (std::optional<Proposal> opened = opened_by_share(std::move(proposal), kNarrowerShare, request))
+        for (Proposal& proposal : wide) {
+            const double opening_mm = std::round(kNarrowerShare * proposal.incision.opening_mm);
+            if (opening_mm < 1.0)
+                continue; // to 0 mm would be to leave the wound shut
+            if (std::optional<Proposal> opened = opened_as_wide(std::move(proposal), opening_mm, request))
                 proposals.push_back(*std::move(opened));
+        }
         return proposals;
     }
 
@@ -246,13 +252,11 @@ SearchPlans draft_plans(const Case& planned_case, const std::vector<Proposal>& p
         add_drafts(round, planned_case,
             { proposals.begin() + std::ptrdiff_t(first), proposals.begin() + std::ptrdiff_t(last) }, search, least_seen,
             drafting);
-        std::vector<Proposal> second;
-        if (std::optional<Proposal> proposal = wider(round, request))
-            second.push_back(*std::move(proposal));
-        for (Proposal& proposal : narrower(round, request))
-            second.push_back(std::move(proposal));
+        std::vector<Proposal> second = narrower(round, request);
         for (Proposal& proposal : by_another_retractor(round, request))
             second.push_back(std::move(proposal));
+        if (std::optional<Proposal> proposal = wider(round, request))
+            second.push_back(*std::move(proposal));
         if (!second.empty())
             add_drafts(round, planned_case, std::move(second), search, least_seen, drafting);
         round.unsolved.clear();

@@ -41,10 +41,10 @@ struct [[nodiscard]] SearchPlans {
     std::vector<std::string> not_planned {}; ///< places for which the time for drafts was too short
 };
 
-/// Draft plans of the first proposals; then of the best opened wider (unless the request says how wide), of the two
-/// best opened less wide, and of the best opened by another retractor, because what an opening costs is known only
-/// then. Where none of these can be proposed, the next ones follow. What is not planned within SearchRequest::draft_s
-/// is named in SearchPlans::not_planned.
+/// Draft plans of the first proposals; then of the two best opened less wide, of the best opened by another retractor,
+/// and of the best opened wider (unless the request says how wide), because what an opening costs is known only then.
+/// Where none of these can be proposed, the next ones follow. What is not planned within SearchRequest::draft_s is
+/// named in SearchPlans::not_planned.
 /// @throws InputError as check_plan() does, and on a negative time
 SearchPlans draft_plans(const Case& planned_case, const std::vector<Proposal>& proposals, std::size_t at_a_time,
     const IncisionSearch& search, const SearchRequest& request, const Job& job = {});

@@ -17,8 +17,8 @@ struct SearchLimits {
     bool left = true, right = true; ///< sides whose spaces are tried
     int highest_space = 1, lowest_space = 11;
     bool saw = true; ///< the sternum may be sawn through
-    /// The blade keeps this distance from structures at risk, about a voxel; a saw through the sternum need not,
-    /// because its foot runs between bone and heart.
+    /// The blade keeps this distance from structures at risk, about a voxel. A saw through the sternum need not,
+    /// because its foot runs between bone and heart, as long as nothing at risk lies in its way.
     double from_risk_mm = 2.0;
     /// What shows a smaller share is no proposal; of the same area as the shares of FoundIncision::candidate.
     double least_seen = 0.05;
@@ -61,7 +61,8 @@ struct FoundIncision {
     double length_mm = 0.0;
     double opening_mm = 0.0; ///< between hooks or blades on the skin; the hole is narrower by their steel
     double own_seen = 0.0, own_reached = 0.0; ///< shares of what the eyes at this incision could see
-    bool near_risk = false; ///< a structure at risk lies nearer to the blade than the limits allow
+    /// A structure at risk lies nearer to the blade than the limits allow, or in the way of a saw.
+    bool near_risk = false;
     /// What rays tell. Here the shares of the target are of the largest area that an eye at any of the incisions would
     /// see with the wall removed, so that an incision on the side where organs hide the target gets what it shows.
     Candidate candidate {};

@@ -103,6 +103,30 @@ namespace incision_search_test {
         EXPECT_THROW((void)draft_plans(plate().planned_case(), proposals, 2, search, request), InputError);
     }
 
+    TEST(IncisionSearch, TheBestIsPlannedWiderAndLessWide)
+    {
+        SearchRequest request;
+        request.target = { .label = {}, .centre = Vec3(kWindow.x(), kWindow.y(), 2.0), .radius_mm = 30.0 };
+        request.limits.shortest_mm = request.limits.longest_mm = kWindowLength;
+        request.hooks = "2";
+        request.anywhere = true;
+        request.draft_s.reset();
+        const IncisionSearch search = search_incisions(plate(), request);
+        std::vector<std::string> refused;
+        const std::vector<Proposal> proposals = proposals_of(plate(), search, request, 1, refused);
+        ASSERT_FALSE(proposals.empty());
+        EXPECT_EQ(proposals.front().incision.opening_mm, kRibOpeningMm);
+        const SearchPlans plans = draft_plans(plate().planned_case(), { proposals.front() }, 1, search, request);
+        std::string all;
+        for (const PlannedProposal& planned : plans.best_first)
+            all += planned.proposal.words + "\n";
+        for (const std::string& failed : plans.failed)
+            all += failed + "\n";
+        ASSERT_FALSE(plans.best_first.empty()) << all;
+        EXPECT_NE(all.find("opened 13 mm"), std::string::npos) << all;
+        EXPECT_NE(all.find("opened 25 mm"), std::string::npos) << "half of its length\n" << all;
+    }
+
     // ---- a chest ---------------------------------------------------------------------------------------------------
 
     const test_support::ChestShape kShape {};

@@ -316,8 +316,10 @@ void add_search_command(Commands& commands)
         ->excludes(hooks);
     command
         ->add_option("--opening", options->opening_mm,
-            "Opening between the hooks or blades, mm (default: 40 for the sternum, 30 between ribs); a short incision "
-            "opens by half of its length at most. The two best are also planned with two thirds of it")
+            "Opening between the hooks or blades, mm (default: " + in_words(planner::kSternumOpeningMm)
+                + " for the sternum, " + in_words(planner::kRibOpeningMm)
+                + " between ribs); a short incision opens by half of its length at most. The two best are also planned "
+                  "with two thirds of it, and the best a third wider unless this is given")
         ->check(in_range(5.0, 200.0));
     command
         ->add_option("--weights", options->weights,

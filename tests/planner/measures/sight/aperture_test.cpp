@@ -59,46 +59,47 @@ namespace aperture_test {
         return mesh;
     }
 
-    TEST(Aperture, PassesTheRaysThatPlatesWithTheSameHolePass)
+    constexpr int kRays = 20000;
+    struct Passed {
+        int passing = 0; ///< through the aperture
+        int different = 0; ///< from what the plates let through
+    };
+
+    /// Rays between the height 0 and an eye, both ways.
+    Passed compare_with_plates(const Aperture& aperture, const RayScene& plates)
     {
-        const Aperture aperture(straight(), kParallel);
-        const RayScene plates(
-            ring(0.0, kDisc, 0.0), { wall(plate_with_lens(kSkin)), wall(plate_with_lens(kInner)) }, {});
         std::mt19937 random(7);
         std::uniform_real_distribution<double> place(-25.0, 25.0), eye(-150.0, 150.0);
-        int different = 0, passing = 0;
-        constexpr int kRays = 20000;
+        Passed count;
         for (int n = 0; n < kRays; ++n) {
             const Vec3 from(place(random), place(random), 0.0), to(eye(random), eye(random), 400.0);
             const Vec3 direction = (to - from).normalized();
             const bool passes = aperture.passes(from, direction);
-            passing += passes ? 1 : 0;
-            different += passes != plates.clear(from, direction, 1.0, 600.0, kWallMask) ? 1 : 0;
+            count.passing += passes ? 1 : 0;
+            count.different += passes != plates.clear(from, direction, 1.0, 600.0, kWallMask) ? 1 : 0;
             EXPECT_EQ(passes, aperture.passes(to, -direction));
         }
-        EXPECT_GT(passing, kRays / 20);
-        EXPECT_LT(different, kRays / 1000); // rays that touch a lip
+        return count;
+    }
+
+    TEST(Aperture, PassesTheRaysThatPlatesWithTheSameHolePass)
+    {
+        const RayScene plates(
+            ring(0.0, kDisc, 0.0), { wall(plate_with_lens(kSkin)), wall(plate_with_lens(kInner)) }, {});
+        const Passed rays = compare_with_plates(Aperture(straight(), kParallel), plates);
+        EXPECT_GT(rays.passing, kRays / 20);
+        EXPECT_LT(rays.different, kRays / 1000); // rays that touch a lip
     }
 
     TEST(Aperture, NarrowsBelowTheSkin)
     {
         constexpr double kInnerWidth = 9.0;
-        const Aperture aperture(straight(), { .skin_mm = kWidth, .inner_mm = kInnerWidth });
         const RayScene plates(
             ring(0.0, kDisc, 0.0), { wall(plate_with_lens(kSkin)), wall(plate_with_lens(kInner, kInnerWidth)) }, {});
-        std::mt19937 random(8);
-        std::uniform_real_distribution<double> place(-25.0, 25.0), eye(-150.0, 150.0);
-        int different = 0, passing = 0;
-        constexpr int kRays = 20000;
-        for (int n = 0; n < kRays; ++n) {
-            const Vec3 from(place(random), place(random), 0.0), to(eye(random), eye(random), 400.0);
-            const Vec3 direction = (to - from).normalized();
-            const bool passes = aperture.passes(from, direction);
-            passing += passes ? 1 : 0;
-            different += passes != plates.clear(from, direction, 1.0, 600.0, kWallMask) ? 1 : 0;
-        }
-        EXPECT_GT(passing, kRays / 50);
-        EXPECT_LT(different, kRays / 1000); // rays that touch a lip
+        const Passed rays
+            = compare_with_plates(Aperture(straight(), { .skin_mm = kWidth, .inner_mm = kInnerWidth }), plates);
+        EXPECT_GT(rays.passing, kRays / 50);
+        EXPECT_LT(rays.different, kRays / 1000);
         const Aperture closed(straight(), { .skin_mm = kWidth, .inner_mm = -1.0 });
         EXPECT_FALSE(closed.passes(Vec3::Zero(), Vec3::UnitZ()));
         EXPECT_EQ(closed.opening().width_mm, kWidth);

@@ -380,9 +380,12 @@ namespace {
         return trials;
     }
 
-    TriedPlace place_of(const FoundIncision& incision)
+    TriedPlace place_of(const FoundIncision& incision, const SearchLimits& limits)
     {
-        return { .middle = incision.middle, .points_of_100 = incision.points_of_100, .near_risk = incision.near_risk };
+        return { .middle = incision.middle,
+            .points_of_100 = incision.points_of_100,
+            .near_risk = incision.near_risk,
+            .shows_little = incision.candidate.field.seen_best_eye < limits.least_seen };
     }
 
     // ---- steps -----------------------------------------------------------------------------------------------------
@@ -439,7 +442,7 @@ namespace {
                     std::optional<Tried> next = search.try_incision(trial, samples);
                     if (!next)
                         continue;
-                    places.push_back(place_of(next->incision));
+                    places.push_back(place_of(next->incision, search.request.limits));
                     if (search.is_proposal(next->incision)
                         && next->incision.points_of_100 > best->incision.points_of_100) {
                         best = std::move(next);
@@ -532,7 +535,7 @@ namespace {
             if (!result)
                 continue;
             search.rescale(result->incision);
-            places.push_back(place_of(result->incision));
+            places.push_back(place_of(result->incision, search.request.limits));
             if (search.is_proposal(result->incision))
                 tried.push_back(*std::move(result));
         }
@@ -629,7 +632,7 @@ IncisionSearch search_incisions(Patient& patient, const SearchRequest& request, 
         best.push_back(*sternum);
     finish(search, best, result.found);
     if (sternum) {
-        result.tried.push_back(place_of(best.back().incision));
+        result.tried.push_back(place_of(best.back().incision, request.limits));
         if (std::ranges::find(result.found, FoundIncision::Kind::sternum, &FoundIncision::kind) == result.found.end())
             result.missing.emplace_back(sternum_objection(best.back().incision, search));
     }

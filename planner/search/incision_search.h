@@ -26,6 +26,7 @@ struct TriedPlace {
     Vec3 middle = Vec3::Zero();
     double points_of_100 = 0.0;
     bool near_risk = false; ///< FoundIncision::near_risk
+    bool shows_little = false; ///< less than SearchLimits::least_seen
 };
 
 enum class SearchStatus { done, cancelled };

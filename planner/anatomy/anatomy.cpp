@@ -225,14 +225,6 @@ namespace {
         std::vector<Bin> bins_;
     };
 
-    /// Angle round the axis of the chest: 0 straight back, 180 straight ahead, above 180 on the other side.
-    double chest_angle(const AnatomicalFrame& frame, bool left, const Vec3& from_origin)
-    {
-        const double lateral = (left ? 1.0 : -1.0) * frame.left.dot(from_origin);
-        const double angle = std::atan2(lateral, -frame.anterior.dot(from_origin)) * 180.0 / std::numbers::pi;
-        return angle < -90.0 ? angle + 360.0 : angle;
-    }
-
     RibLine rib_line(const mesh::ImageGrid& grid, const AnatomicalFrame& frame, const RibVoxels& rib)
     {
         RibLine line { .label = rib.info->id,
@@ -246,11 +238,11 @@ namespace {
         double low = 360.0, high = -360.0;
         for (const auto& v : rib.voxels.indices) {
             // Positions relative to the chest axis keep the sums small.
-            const Vec3 p = grid.world(Vec3(v[0], v[1], v[2])) - frame.origin;
-            const double angle = chest_angle(frame, rib.left, p);
+            const Vec3 place = grid.world(Vec3(v[0], v[1], v[2]));
+            const double angle = angle_round_chest(frame, rib.left, place);
             low = std::min(low, angle);
             high = std::max(high, angle);
-            places.emplace_back(angle, p);
+            places.emplace_back(angle, place - frame.origin);
         }
         HatBins bins(low, high, kRibNodeDeg);
         for (const auto& [angle, p] : places)
@@ -306,7 +298,7 @@ namespace {
             const Vec3 step = middle - here;
             if (share < kLeastShare || !(step.dot(ahead) > 0.25 * kStepMm))
                 return;
-            const double angle = chest_angle(frame, line.left, middle - frame.origin);
+            const double angle = angle_round_chest(frame, line.left, middle);
             if (angle > line.angle_deg.back()) {
                 line.points.push_back(middle);
                 line.angle_deg.push_back(angle);
@@ -386,6 +378,14 @@ const RibLine& find_rib(const Anatomy& anatomy, bool left, int number)
             return rib;
     const std::string name = (left ? "rib_left_" : "rib_right_") + std::to_string(number);
     throw InputError("no voxel is labelled \"" + name + "\": label this rib or choose another space", name);
+}
+
+double angle_round_chest(const AnatomicalFrame& frame, bool left, const Vec3& place)
+{
+    const Vec3 from_origin = place - frame.origin;
+    const double lateral = (left ? 1.0 : -1.0) * frame.left.dot(from_origin);
+    const double angle = std::atan2(lateral, -frame.anterior.dot(from_origin)) * 180.0 / std::numbers::pi;
+    return angle < -90.0 ? angle + 360.0 : angle;
 }
 
 Vec3 point_at_angle(const RibLine& rib, double angle_deg)

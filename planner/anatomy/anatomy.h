@@ -48,6 +48,10 @@ struct Anatomy {
 /// side mean a mirrored volume)
 Anatomy find_anatomy(const mesh::LabelVolume& labels);
 
+/// Angle of a place round the long axis of the chest, as RibLine::angle_deg of a rib of that side.
+/// @returns -90 to 270: 180 is straight ahead, more lies on the other side
+double angle_round_chest(const AnatomicalFrame& frame, bool left, const Vec3& place);
+
 /// The rib of this side and number. @throws InputError naming the rib's label when there is none
 const RibLine& find_rib(const Anatomy& anatomy, bool left, int number);
 

@@ -218,6 +218,25 @@ IntercostalSpace find_intercostal_space(const BodyProbe& probe, const Anatomy& a
     return space;
 }
 
+std::optional<SpaceNumber> space_at(const Anatomy& anatomy, const Vec3& place)
+{
+    constexpr double kBeyondEndDeg = 10.0; // a rib's label may end where the next rib and their muscle go on
+    const bool left = anatomy.frame.left.dot(place - anatomy.frame.origin) > 0.0;
+    const double angle = angle_round_chest(anatomy.frame, left, place);
+    std::optional<int> above; // the lowest rib above the place
+    bool rib_below = false;
+    for (const RibLine& rib : anatomy.ribs) {
+        if (rib.left != left || angle < rib.angle_deg.front() - kBeyondEndDeg
+            || angle > rib.angle_deg.back() + kBeyondEndDeg)
+            continue;
+        if (anatomy.frame.superior.dot(point_at_angle(rib, angle) - place) >= 0.0)
+            above = std::max(above.value_or(0), rib.number);
+        else
+            rib_below = true;
+    }
+    return above && rib_below ? std::optional(SpaceNumber { left, *above }) : std::nullopt;
+}
+
 std::optional<SpaceNumber> space_under_incision(const Anatomy& anatomy, const Approach& approach)
 {
     RETRACTOR_ASSERT(!approach.incision.empty() && approach.directions.size() == approach.incision.size());

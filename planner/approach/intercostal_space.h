@@ -51,6 +51,11 @@ IntercostalSpace find_intercostal_space(const BodyProbe& probe, const Anatomy& a
 /// @returns nothing when the blade passes every space at more than about half the distance of two ribs
 std::optional<SpaceNumber> space_under_incision(const Anatomy& anatomy, const Approach& approach);
 
+/// The space in which a place of the wall lies: the ribs of its side above and below it, at its own angle round the
+/// chest.
+/// @returns nothing above the first rib, below the last one, and beyond the ends of the ribs
+std::optional<SpaceNumber> space_at(const Anatomy& anatomy, const Vec3& place);
+
 /// The place at a distance along the space, interpolated. A distance beyond an end gives the end. A place between an
 /// open and a closed one is closed.
 SpacePlace place_along(const IntercostalSpace& space, double along_mm);

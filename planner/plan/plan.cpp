@@ -37,6 +37,7 @@
 #include "planner/wall/bones_through_skin.h"
 #include "planner/wall/parted_bones.h"
 #include "planner/wall/rim_motion.h"
+#include "planner/wall/slack_spaces.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/unmeshed_wall.h"
 #include "planner/wall/wall_pressure.h"
@@ -415,6 +416,7 @@ namespace {
     {
         const StageTimer timer(field.metrics, "cut");
         const Case& planned_case = patient.planned_case();
+        slacken_other_spaces(field.wall, patient, field.approach);
         insert_bearing_points(field.wall, planned_case.label_table, field.approach);
         fem::Supports supports = supports_of(field.wall, labels, planned_case, sizing, &field.message);
         if (supports.fixed.empty() && supports.bedded.empty())

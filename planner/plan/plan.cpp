@@ -416,7 +416,6 @@ namespace {
     {
         const StageTimer timer(field.metrics, "cut");
         const Case& planned_case = patient.planned_case();
-        slacken_other_spaces(field.wall, patient, field.approach);
         insert_bearing_points(field.wall, planned_case.label_table, field.approach);
         fem::Supports supports = supports_of(field.wall, labels, planned_case, sizing, &field.message);
         if (supports.fixed.empty() && supports.bedded.empty())
@@ -431,6 +430,7 @@ namespace {
         if (!take_cut(field, cut))
             return false;
         check_lips(field, cut.took_lip);
+        remark(field.message, slacken_other_spaces(field.wall, patient, field.approach));
         return true;
     }
 

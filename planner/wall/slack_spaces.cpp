@@ -1,54 +1,83 @@
 #include "planner/wall/slack_spaces.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
+#include "planner/approach/divided_bones.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <memory>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 namespace retractor::planner {
 
 namespace {
 
-    using SideAndNumber = std::pair<bool, int>;
+    using SideAndNumber = std::pair<bool, int>; // of a SpaceNumber, in order
 
-    const mesh::LabelInfo* wall_label_of(const mesh::LabelTable& table, std::string_view material)
+    bool is_intercostal(const mesh::LabelInfo& info) { return mesh::is_wall(info) && info.material == "intercostal"; }
+
+    bool is_muscle(const mesh::LabelInfo& info) { return mesh::is_wall(info) && info.material == "muscle"; }
+
+    /// The label of muscle without a name of its own, or of any muscle; nullptr: there is none.
+    const mesh::LabelInfo* muscle_label(const mesh::LabelTable& table)
     {
-        const auto found = std::ranges::find_if(
-            table, [&](const mesh::LabelInfo& info) { return mesh::is_wall(info) && info.material == material; });
+        auto found = std::ranges::find_if(
+            table, [](const mesh::LabelInfo& info) { return is_muscle(info) && info.name == "muscle"; });
+        if (found == table.end())
+            found = std::ranges::find_if(table, is_muscle);
         return found == table.end() ? nullptr : &*found;
     }
 
-    mesh::LabelFlags intercostal_labels(const mesh::LabelTable& table)
-    {
-        return mesh::flagged_labels(
-            table, [](const mesh::LabelInfo& info) { return mesh::is_wall(info) && info.material == "intercostal"; });
-    }
+    /// The part of a blade that lies in intercostal muscle.
+    struct MusclePath {
+        std::map<SideAndNumber, double> area_mm2; ///< by space
+        double over_muscle_mm = 0.0, length_mm = 0.0; ///< of the line
+    };
 
-    /// Counts the places of a blade that lie in intercostal muscle, by space.
-    /// @return the share of the line's points with such places
-    double count_places(std::map<SideAndNumber, int>& count, const std::vector<Vec3>& line,
-        const std::vector<Vec3>& directions, double depth_mm, const mesh::LabelVolume& labels, const Anatomy& anatomy)
+    void add_blade(MusclePath& path, const std::vector<Vec3>& line, const std::vector<Vec3>& directions,
+        double depth_mm, const mesh::LabelVolume& labels, const Anatomy& anatomy)
     {
         constexpr double kStepMm = 1.0;
-        const mesh::LabelFlags intercostal = intercostal_labels(labels.table);
-        std::size_t over_muscle = 0;
-        for (std::size_t n = 0; n < line.size(); ++n) {
-            bool met = false;
-            for (double t = 0.0; t <= depth_mm; t += kStepMm) {
-                const Vec3 place = line[n] + t * directions[n];
-                if (intercostal[mesh::label_at(labels, place)] == 0)
-                    continue;
-                if (const std::optional<SpaceNumber> space = space_at(anatomy, place)) {
-                    ++count[{ space->left, space->number }];
-                    met = true;
+        RETRACTOR_ASSERT(directions.size() == line.size());
+        const mesh::LabelFlags intercostal = mesh::flagged_labels(labels.table, is_intercostal);
+        for (std::size_t n = 1; n < line.size(); ++n) {
+            const double length = (line[n] - line[n - 1]).norm();
+            const int steps = std::max(1, static_cast<int>(std::ceil(length / kStepMm)));
+            const double step = length / steps;
+            path.length_mm += length;
+            for (int k = 0; k < steps; ++k) {
+                const double share = (k + 0.5) / steps;
+                const Vec3 on_line = line[n - 1] + share * (line[n] - line[n - 1]);
+                const Vec3 direction = directions[n - 1] + share * (directions[n] - directions[n - 1]);
+                bool met = false;
+                for (double t = 0.0; t <= depth_mm; t += kStepMm) {
+                    const Vec3 place = on_line + t * direction;
+                    if (intercostal[mesh::label_at(labels, place)] == 0)
+                        continue;
+                    if (const std::optional<SpaceNumber> space = space_at(anatomy, place)) {
+                        path.area_mm2[{ space->left, space->number }] += step * kStepMm;
+                        met = true;
+                    }
                 }
+                path.over_muscle_mm += met ? step : 0.0;
             }
-            over_muscle += met ? 1 : 0;
         }
-        return line.empty() ? 0.0 : static_cast<double>(over_muscle) / static_cast<double>(line.size());
+    }
+
+    bool bears_on_bone(const Approach& approach)
+    {
+        return std::ranges::any_of(approach.hooks, [](const HookSpec& hook) { return !hook.bears_on.empty(); });
+    }
+
+    std::string slack_words(const std::vector<SpaceNumber>& opened)
+    {
+        std::string names;
+        for (const SpaceNumber& space : opened)
+            names += (names.empty() ? "" : " and ") + space_name(space.left, space.number);
+        return "intercostal muscle of the spaces that close beside the " + names + " is taken as slack";
     }
 
 } // namespace
@@ -57,30 +86,33 @@ std::vector<SpaceNumber> opened_spaces(
     const mesh::LabelVolume& labels, const Anatomy& anatomy, const Approach& approach)
 {
     constexpr double kLeastShare = 0.1, kLeastLength = 1.0 / 3.0;
-    std::map<SideAndNumber, int> count;
-    const double over_muscle
-        = count_places(count, approach.incision, approach.directions, approach.depth_mm, labels, anatomy);
-    if (over_muscle < kLeastLength)
+    constexpr std::size_t kMostSpaces = 2;
+    const std::vector<std::string> sawn = divided_bones(labels, approach);
+    if (std::ranges::find(sawn, "sternum") != sawn.end())
+        return {};
+    MusclePath path;
+    add_blade(path, approach.incision, approach.directions, approach.depth_mm, labels, anatomy);
+    if (path.over_muscle_mm < kLeastLength * path.length_mm)
         return {};
     for (const DivisionStroke& stroke : approach.division.strokes)
-        count_places(count, stroke.line, stroke.directions, stroke.depth_mm, labels, anatomy);
-    int all = 0;
-    for (const auto& [space, places] : count)
-        all += places;
+        add_blade(path, stroke.line, stroke.directions, stroke.depth_mm, labels, anatomy);
+    double all = 0.0;
+    for (const auto& [space, area] : path.area_mm2)
+        all += area;
     std::vector<SpaceNumber> opened;
-    for (const auto& [space, places] : count)
-        if (places >= kLeastShare * all)
+    for (const auto& [space, area] : path.area_mm2)
+        if (area >= kLeastShare * all)
             opened.push_back({ space.first, space.second });
-    return opened;
+    return opened.size() <= kMostSpaces ? opened : std::vector<SpaceNumber> {};
 }
 
 std::size_t slacken_other_spaces(
     mesh::TetMesh& wall, const mesh::LabelTable& table, const Anatomy& anatomy, const std::vector<SpaceNumber>& opened)
 {
-    const mesh::LabelInfo* muscle = wall_label_of(table, "muscle");
+    const mesh::LabelInfo* muscle = muscle_label(table);
     if (muscle == nullptr || opened.empty())
         return 0;
-    const mesh::LabelFlags intercostal = intercostal_labels(table);
+    const mesh::LabelFlags intercostal = mesh::flagged_labels(table, is_intercostal);
     std::size_t changed = 0;
     for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t) {
         Label& label = wall.labels[static_cast<std::size_t>(t)];
@@ -90,11 +122,12 @@ std::size_t slacken_other_spaces(
         for (const Vec3& corner : mesh::tet_corners(wall, t))
             middle += 0.25 * corner;
         const std::optional<SpaceNumber> space = space_at(anatomy, middle);
-        const auto is_here = [&](const SpaceNumber& other) {
-            return space && other.left == space->left && other.number == space->number;
-        };
-        const auto same_side = [&](const SpaceNumber& other) { return space && other.left == space->left; };
-        if (std::ranges::none_of(opened, same_side) || std::ranges::any_of(opened, is_here))
+        if (!space)
+            continue;
+        const bool on_opened_side = std::ranges::find(opened, space->left, &SpaceNumber::left) != opened.end();
+        const bool is_opened = std::ranges::any_of(
+            opened, [&](const SpaceNumber& one) { return one.left == space->left && one.number == space->number; });
+        if (!on_opened_side || is_opened)
             continue;
         label = muscle->id;
         ++changed;
@@ -102,18 +135,24 @@ std::size_t slacken_other_spaces(
     return changed;
 }
 
-std::size_t slacken_other_spaces(mesh::TetMesh& wall, Patient& patient, const Approach& approach)
+std::string slacken_other_spaces(mesh::TetMesh& wall, Patient& patient, const Approach& approach)
 {
     const auto labels = patient.labels();
-    if (wall_label_of(labels->table, "intercostal") == nullptr)
-        return 0;
+    const auto intercostal = std::ranges::find_if(labels->table, is_intercostal);
+    const mesh::LabelInfo* muscle = muscle_label(labels->table);
+    if (intercostal == labels->table.end() || muscle == nullptr || !bears_on_bone(approach))
+        return {};
+    const std::vector<fem::Material> materials = materials_as_solved(patient);
+    if (materials[muscle->id].youngs_modulus_MPa >= materials[intercostal->id].youngs_modulus_MPa)
+        return {};
     std::shared_ptr<const Anatomy> anatomy;
     try {
         anatomy = patient.anatomy();
     } catch (const InputError&) {
-        return 0; // no landmarks: a block, or a part of a body
+        return {}; // a part of a body
     }
-    return slacken_other_spaces(wall, labels->table, *anatomy, opened_spaces(*labels, *anatomy, approach));
+    const std::vector<SpaceNumber> opened = opened_spaces(*labels, *anatomy, approach);
+    return slacken_other_spaces(wall, labels->table, *anatomy, opened) > 0 ? slack_words(opened) : std::string();
 }
 
 } // namespace retractor::planner

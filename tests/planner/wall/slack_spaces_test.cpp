@@ -1,6 +1,10 @@
 // Six ribs on a round left chest, 20 mm apart, with intercostal muscle everywhere between them.
 #include "planner/wall/slack_spaces.h"
 
+#include "datasets/phantoms/phantom.h"
+#include "planner/approach/approach_templates.h"
+#include "planner/approach/space_division.h"
+#include "tests/support/block_case.h"
 #include "tests/support/label_shapes.h"
 
 #include <gtest/gtest.h>
@@ -8,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -126,7 +131,16 @@ namespace slack_spaces_test {
     {
         const mesh::LabelVolume labels = side_labels(-15.0);
         EXPECT_EQ(numbers(opened_spaces(labels, six_ribs(), side_incision(31.0, 29.0))), std::vector<int> { 3 });
-        EXPECT_EQ(numbers(opened_spaces(labels, six_ribs(), side_incision(52.0, 9.0))), (std::vector<int> { 2, 3, 4 }));
+        EXPECT_EQ(numbers(opened_spaces(labels, six_ribs(), side_incision(47.0, 33.0))), (std::vector<int> { 2, 3 }));
+        Approach two_points = side_incision(47.0, 33.0);
+        two_points.incision = { two_points.incision.front(), two_points.incision.back() };
+        two_points.directions.resize(2);
+        EXPECT_EQ(numbers(opened_spaces(labels, six_ribs(), two_points)), (std::vector<int> { 2, 3 }));
+    }
+
+    TEST(SlackSpaces, AnIncisionAcrossTheRibsOpensNoSpace)
+    {
+        EXPECT_TRUE(opened_spaces(side_labels(-15.0), six_ribs(), side_incision(52.0, 9.0)).empty());
     }
 
     TEST(SlackSpaces, AnIncisionThatHardlyLiesOverIntercostalMuscleOpensNoSpace)
@@ -141,6 +155,91 @@ namespace slack_spaces_test {
             .directions = { Vec3::UnitX(), Vec3::UnitX() },
             .depth_mm = 30.0 });
         EXPECT_EQ(numbers(opened_spaces(side_labels(-15.0), six_ribs(), approach)), (std::vector<int> { 3, 4 }));
+    }
+
+    /// A chest with slanted ribs of different lengths on both sides, and intercostal muscle behind the sternum too.
+    const datasets::Phantom& thorax()
+    {
+        static const datasets::Phantom made
+            = datasets::make_thorax_phantom({ .spacing_mm = { 2.2, 2.2, 2.4 }, .noise_hu = 0.0 });
+        return made;
+    }
+
+    Approach from_template(const std::string& name)
+    {
+        ApproachRequest request;
+        request.template_name = name;
+        request.target.label = "aneurysm";
+        return approach_from_template(thorax().labels, request);
+    }
+
+    TEST(SlackSpaces, OnAChestTemplatesBetweenRibsOpenTheirSpace)
+    {
+        const Anatomy anatomy = find_anatomy(thorax().labels);
+        const auto opened = [&](const std::string& name) {
+            Approach approach = from_template(name);
+            find_space_division(approach, thorax().labels, anatomy);
+            return opened_spaces(thorax().labels, anatomy, approach);
+        };
+        EXPECT_EQ(numbers(opened("intercostal:4")), std::vector<int> { 4 });
+        EXPECT_EQ(numbers(opened("intercostal:5")), std::vector<int> { 5 });
+        const std::vector<SpaceNumber> right = opened("right-lateral");
+        ASSERT_EQ(right.size(), 1U);
+        EXPECT_FALSE(right.front().left);
+        for (const char* sawn : { "median", "hemisternotomy-j", "hemisternotomy-t" })
+            EXPECT_TRUE(opened(sawn).empty()) << sawn;
+    }
+
+    class SlackWall : public testing::Test {
+    protected:
+        static void SetUpTestSuite() { planned_case = test_support::block_case("slack_wall", thorax()); }
+
+        SlackWall()
+        {
+            approach.hooks.push_back({});
+            approach.hooks.front().bears_on = { "rib_left_4" };
+            // A block round the side of the chest, where the space lies.
+            const Vec3 from = approach.incision[approach.incision.size() / 2] - Vec3(60.0, 60.0, 100.0);
+            wall = mesh::kuhn_box(12, 12, 20, 10.0, mesh::find_label(planned_case.label_table, "intercostal")->id);
+            wall.vertices.rowwise() += from.transpose();
+        }
+
+        static inline planner::Case planned_case;
+        Approach approach = from_template("intercostal:4");
+        mesh::TetMesh wall;
+    };
+
+    TEST_F(SlackWall, APlanIsToldWhichMuscleIsSlack)
+    {
+        Patient patient(planned_case);
+        const mesh::TetMesh before = wall;
+        const std::string words = slacken_other_spaces(wall, patient, approach);
+        EXPECT_NE(words.find("left intercostal space 4"), std::string::npos) << words;
+        const Label muscle = mesh::find_label(planned_case.label_table, "muscle")->id;
+        const auto slack = std::ranges::count(wall.labels, muscle);
+        EXPECT_GT(slack, 0);
+        EXPECT_LT(slack, std::ssize(wall.labels));
+        for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t) {
+            const auto space = space_at(*patient.anatomy(), middle_of(wall, t));
+            EXPECT_FALSE(space && space->number == 4 && wall.labels[static_cast<std::size_t>(t)] == muscle);
+        }
+    }
+
+    TEST_F(SlackWall, WithoutBoneBehindTheHooksNothingIsSlack)
+    {
+        Patient patient(planned_case);
+        approach.hooks.front().bears_on.clear();
+        EXPECT_EQ(slacken_other_spaces(wall, patient, approach), "");
+    }
+
+    TEST_F(SlackWall, StifferMuscleIsNotTakenForSlack)
+    {
+        planner::Case stiff = planned_case;
+        for (fem::Material& material : stiff.materials)
+            if (material.name == "muscle")
+                material.youngs_modulus_MPa = 0.5;
+        Patient patient(stiff);
+        EXPECT_EQ(slacken_other_spaces(wall, patient, approach), "");
     }
 
     TEST(SlackSpaces, APlaceAboveTheFirstRibOrBeyondTheirEndsIsInNoSpace)

@@ -19,7 +19,6 @@
 #include "planner/plan/saved/saved_plan.h"
 #include "planner/session/saved_cuts.h"
 #include "planner/wall/parted_bones.h"
-#include "planner/wall/slack_spaces.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_cut.h"
 #include "ui/movie/plan_movie.h"
@@ -136,7 +135,6 @@ namespace {
         if (model.status != mesh::MeshStatus::done)
             throw InputError(
                 model.message.empty() ? "there is no wall to cut" : model.message, "approach " + approach.name);
-        planner::slacken_other_spaces(model.wall, patient, approach);
         SurgeryInput input;
         planner::SurgerySetup& setup = input.setup;
         setup.approach = approach;

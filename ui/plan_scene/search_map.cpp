@@ -98,10 +98,10 @@ namespace {
                         }
             if (best >= 0.0)
                 skin->labels[t] = static_cast<Label>(range.bin(best));
-            else if (too_little)
-                skin->labels[t] = kTooLittle;
             else if (refused)
                 skin->labels[t] = kRefused;
+            else if (too_little)
+                skin->labels[t] = kTooLittle;
         }
         return skin;
     }

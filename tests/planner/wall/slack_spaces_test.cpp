@@ -3,7 +3,10 @@
 
 #include "datasets/phantoms/phantom.h"
 #include "planner/approach/approach_templates.h"
+#include "planner/approach/retractors.h"
 #include "planner/approach/space_division.h"
+#include "planner/case/draft_case.h"
+#include "planner/plan/plan.h"
 #include "tests/support/block_case.h"
 #include "tests/support/label_shapes.h"
 
@@ -223,6 +226,32 @@ namespace slack_spaces_test {
             const auto space = space_at(*patient.anatomy(), middle_of(wall, t));
             EXPECT_FALSE(space && space->number == 4 && wall.labels[static_cast<std::size_t>(t)] == muscle);
         }
+    }
+
+    TEST_F(SlackWall, APlanSolvesTheOtherSpacesWithMuscle)
+    {
+        planner::Case quick = planned_case;
+        make_draft(quick);
+        approach.hooks.clear();
+        approach.sizing.corridor_edge_mm = 14.0;
+        approach.sizing.coarse_edge_mm = 25.0;
+        add_approach(quick, approach);
+        set_retractor(
+            quick, approach.name, find_retractor(built_in_retractors(), "finochietto"), { .opening_mm = 6.0 });
+        Patient patient(quick);
+        const PlannedField field
+            = plan_approach(patient, find_approach(quick, approach.name), {}, { .error_bars = false, .draft = true });
+        EXPECT_NE(field.message.find("is taken as slack"), std::string::npos) << field.message;
+        const Label intercostal = mesh::find_label(planned_case.label_table, "intercostal")->id;
+        int tight = 0;
+        for (TetId t = 0; t < static_cast<TetId>(field.problem.mesh.tet_count()); ++t) {
+            if (field.problem.mesh.labels[static_cast<std::size_t>(t)] != intercostal)
+                continue;
+            const auto space = space_at(*patient.anatomy(), middle_of(field.problem.mesh, t));
+            EXPECT_FALSE(space && space->left && space->number != 4) << "space " << space->number;
+            tight += space && space->number == 4 ? 1 : 0;
+        }
+        EXPECT_GT(tight, 0);
     }
 
     TEST_F(SlackWall, WithoutBoneBehindTheHooksNothingIsSlack)

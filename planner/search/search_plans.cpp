@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace retractor::planner {
@@ -203,6 +204,24 @@ namespace {
         return proposals;
     }
 
+    std::string drafts_in_words(std::size_t drafts, const char* of)
+    {
+        return std::to_string(drafts) + (drafts == 1 ? " draft of " : " drafts of ") + of;
+    }
+
+    /// A job that reports what is drafted in place of the stages of single plans, of which two run at a time. With a
+    /// limit the finished fraction is that of the time.
+    /// @pre `job`, `watch` and `what` outlive the result
+    Job naming_drafts(
+        const Job& job, const Stopwatch& watch, const std::string& what, const std::optional<double>& limit_s)
+    {
+        Job named = job;
+        named.on_progress = [&job, &watch, &what, limit_s](std::string_view, double fraction) {
+            job.report(what, limit_s && *limit_s > 0.0 ? std::min(watch.seconds() / *limit_s, 1.0) : fraction);
+        };
+        return named;
+    }
+
     void sort_by_score(SearchPlans& plans, const Weights& weights)
     {
         std::vector<PlannedProposal> sorted;
@@ -243,12 +262,15 @@ SearchPlans draft_plans(const Case& planned_case, const std::vector<Proposal>& p
         throw InputError("the time for drafts is not zero or more", "draft_s");
     if (request.draft_s)
         limit.emplace(job, *request.draft_s);
-    const Job& drafting = limit ? limit->job() : job;
+    const Stopwatch watch;
+    std::string what;
+    const Job drafting = naming_drafts(limit ? limit->job() : job, watch, what, request.draft_s);
     for (std::size_t n = 0; n < kRounds && plans.best_first.empty(); ++n) {
         const std::size_t first = std::min(n * at_a_time, proposals.size()),
                           last = std::min(first + at_a_time, proposals.size());
         if (first == last)
             break;
+        what = drafts_in_words(last - first, "incisions found by lines of sight");
         add_drafts(round, planned_case,
             { proposals.begin() + std::ptrdiff_t(first), proposals.begin() + std::ptrdiff_t(last) }, search, least_seen,
             drafting);
@@ -257,6 +279,7 @@ SearchPlans draft_plans(const Case& planned_case, const std::vector<Proposal>& p
             second.push_back(std::move(proposal));
         if (std::optional<Proposal> proposal = wider(round, request))
             second.push_back(*std::move(proposal));
+        what = drafts_in_words(second.size(), "the best, opened otherwise");
         if (!second.empty())
             add_drafts(round, planned_case, std::move(second), search, least_seen, drafting);
         round.unsolved.clear();

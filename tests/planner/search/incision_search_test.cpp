@@ -12,8 +12,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <numbers>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor::planner {
@@ -91,7 +94,18 @@ namespace incision_search_test {
         ASSERT_FALSE(late.not_planned.empty());
         EXPECT_EQ(late.not_planned.front(), proposals.front().words);
         request.draft_s.reset();
-        const SearchPlans plans = draft_plans(plate().planned_case(), proposals, 2, search, request);
+        std::mutex guard; // two plans report at a time
+        std::set<std::string> stages;
+        const SearchPlans plans = draft_plans(plate().planned_case(), proposals, 2, search, request,
+            { .on_progress = [&](std::string_view stage, double) {
+                const std::scoped_lock lock(guard);
+                stages.emplace(stage);
+            } });
+        ASSERT_FALSE(stages.empty());
+        for (const std::string& stage : stages)
+            EXPECT_NE(stage.find(" of "), std::string::npos) << stage << " is a stage of one plan";
+        EXPECT_TRUE(std::ranges::any_of(
+            stages, [](const std::string& stage) { return stage.ends_with("incisions found by lines of sight"); }));
         EXPECT_GE(plans.best_first.size() + plans.failed.size(), std::min<std::size_t>(2, proposals.size()));
         EXPECT_TRUE(plans.not_planned.empty());
         const std::atomic<bool> asked { true };

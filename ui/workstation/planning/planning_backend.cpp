@@ -172,7 +172,7 @@ namespace {
     /// The skin in the colours of the scores, with the best proposals.
     Image map_of(planner::Patient& patient, const FoundProposals& found)
     {
-        constexpr int kWidth = 1200, kHeight = 600;
+        constexpr int kWidth = 2000, kHeight = 1000; // as retractor search: the legend needs the room
         std::vector<MappedIncision> incisions;
         for (const planner::PlannedProposal& planned : found.drafts.best_first)
             incisions.push_back({ .sign = planner::compared_letter(incisions.size()),

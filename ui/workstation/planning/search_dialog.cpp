@@ -36,7 +36,7 @@ namespace retractor::ui {
 
 namespace {
 
-    constexpr int kProgressMs = 100, kProgressSteps = 1000, kMapWidth = 680;
+    constexpr int kProgressMs = 100, kProgressSteps = 1000, kMapWidth = 940;
 
     /// Columns of the table.
     enum Column { kPlace, kScore, kSeen, kReached, kForce, kVerdict, kColumns };
@@ -172,7 +172,8 @@ QWidget* SearchDialog::make_answer()
     table_->setSelectionMode(QAbstractItemView::NoSelection);
     table_->setWordWrap(true);
     table_->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
-    table_->horizontalHeader()->setSectionResizeMode(kVerdict, QHeaderView::Stretch);
+    for (const int wide : { kPlace, kVerdict }) // both have lines of words
+        table_->horizontalHeader()->setSectionResizeMode(wide, QHeaderView::Stretch);
     table_->setStyleSheet("QTableView::indicator { width: 14px; height: 14px; border: 1px solid #8a949c; }"
                           "QTableView::indicator:checked { background: #4a9be0; }");
     table_->setMinimumHeight(200);
@@ -276,10 +277,14 @@ void SearchDialog::show_answer(FoundProposals found)
         said->setToolTip(translated(all));
         table_->setItem(row, kVerdict, said);
     }
-    table_->resizeRowsToContents();
-    constexpr int kFrame = 4;
-    table_->setMinimumHeight(
-        table_->verticalHeader()->length() + table_->horizontalHeader()->sizeHint().height() + kFrame);
+    const auto fit_rows = [this] {
+        constexpr int kFrame = 4;
+        table_->resizeRowsToContents();
+        table_->setMinimumHeight(
+            table_->verticalHeader()->length() + table_->horizontalHeader()->sizeHint().height() + kFrame);
+    };
+    fit_rows();
+    QTimer::singleShot(0, this, fit_rows); // by then the columns have their widths
     table_->blockSignals(false);
     map_->clear();
     if (!found_.map.rgb.empty())

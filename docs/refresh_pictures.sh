@@ -1,12 +1,17 @@
 #!/usr/bin/env bash
 # Makes the pictures of the documents anew: docs/refresh_pictures.sh [folder of the programs]
-# It plans the demo's patient, palpates an aorta, and photographs the window on a virtual screen (Debian package xvfb);
-# on two cores it takes about seven minutes. window-labels.png, window-conference.png, palpation-wound.png and
+# It plans the demo's patient, palpates an aorta, and photographs the window on a virtual screen (Debian packages xvfb,
+# fonts-noto-cjk and fontconfig); on two cores it takes about seven minutes. window-labels.png, window-conference.png, palpation-wound.png and
 # report-view.png are made by hand.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 programs=$(realpath "${1:-build/release/bin}")
 pictures=$PWD/docs/pictures
+# Without a Japanese font the Japanese windows show boxes.
+if [[ -z $(fc-list :lang=ja) ]]; then
+  echo "no Japanese font is installed: install the Debian package fonts-noto-cjk" >&2
+  exit 1
+fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"

@@ -53,7 +53,7 @@ std::optional<SpaceNumber> space_under_incision(const Anatomy& anatomy, const Ap
 
 /// The space in which a place of the wall lies: the ribs of its side above and below it, at its own angle round the
 /// chest.
-/// @returns nothing above the first rib, below the last one, and beyond the ends of the ribs
+/// @returns nothing above the first rib, below the last one, and more than 10 degrees beyond the ends of the ribs
 std::optional<SpaceNumber> space_at(const Anatomy& anatomy, const Vec3& place);
 
 /// The place at a distance along the space, interpolated. A distance beyond an end gives the end. A place between an

@@ -18,8 +18,8 @@ struct MappedIncision {
     std::vector<Vec3> points;
 };
 
-/// Where every incision shows too little or comes too near a structure, the map says so and gives no score.
-/// The patient from the right, from the left and from behind. An incision is drawn where it faces the reader.
+/// The patient from the right, from the left and from behind. An incision is drawn where it faces the reader. Where
+/// every incision shows too little or comes too near a structure, the map says so and gives no score.
 Picture search_map(planner::Patient& patient, const planner::IncisionSearch& search,
     const std::vector<MappedIncision>& incisions, int width, int height);
 

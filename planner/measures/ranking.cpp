@@ -77,7 +77,8 @@ namespace {
     constexpr std::array<Criterion, kCriteria> kAllCriteria { {
         { .key = "seen",
             .caption = "target seen",
-            .meaning = "share of the target that the best eye sees, 0 to 100 %",
+            .meaning
+            = "share of the target that the best eye sees, 0 to 100 %; below 25 % the whole score falls with it",
             .weight = 3.0,
             .exposure = true,
             .value = [](const Candidate& one) { return one.field.seen_best_eye; },
@@ -197,6 +198,8 @@ double share_of(const Criterion& criterion, double value)
     return std::clamp((value - criterion.worst) / (criterion.best - criterion.worst), 0.0, 1.0) + 0.0;
 }
 
+double exposure_factor(double seen) { return std::clamp(seen / kEnoughSeen, 0.0, 1.0); }
+
 Score score_of(const Candidate& candidate, const Weights& weights)
 {
     Score score;
@@ -214,9 +217,15 @@ Score score_of(const Candidate& candidate, const Weights& weights)
         sum += weights[n];
     }
     RETRACTOR_ASSERT(sum > 0.0);
-    score.points /= sum;
+    const Criterion& seen = kAllCriteria.front();
+    const double value = seen.value(candidate), bar = seen.bar(candidate);
+    const auto factor_at = [&](double share) { return weights.front() > 0.0 ? exposure_factor(share) : 1.0; };
+    score.factor = factor_at(value);
+    const double factor_error = std::max(factor_at(value + bar) - score.factor, score.factor - factor_at(value - bar));
+    const double mean = score.points / sum;
+    score.points = score.factor * mean;
     if (has_error_bars(candidate.field))
-        score.bar = bars / sum;
+        score.bar = score.factor * bars / sum + factor_error * mean;
     return score;
 }
 

@@ -3,8 +3,9 @@
 // beats in everything, and names what must be thought of first. Units as stored: mm, mm2, N; fractions 0 to 1.
 //
 // Each criterion gives a field a share between 0 (its worst value) and 1 (its best). Both values are fixed, so that the
-// order of two fields does not hang on a third. The score is the weighted mean of the shares, in points of 100. Weights
-// and values are ours, and the weights are the user's to change; no score of planned incisions is published.
+// order of two fields does not hang on a third. The score is the weighted mean of the shares, in points of 100, less
+// what exposure_factor() takes. Weights and values are ours, and the weights are the user's to change; no score of
+// planned incisions is published.
 
 #include "planner/measures/field_metrics.h"
 
@@ -46,10 +47,16 @@ std::string weights_text(const Weights& weights);
 /// Share of a value between the worst (0) and the best (1).
 double share_of(const Criterion& criterion, double value);
 
+/// Seeing less of the target than this does not suffice to work by, whatever is spared.
+inline constexpr double kEnoughSeen = 0.25;
+/// What a score is multiplied by: 1 where kEnoughSeen of the target is seen, and in proportion to what is seen below.
+double exposure_factor(double seen);
+
 struct Score {
     double points = 0.0; ///< 0 to 100
     std::optional<double> bar {}; ///< the criteria's error bars, added; not set: the field has none (has_error_bars())
     std::array<double, kCriteria> shares {};
+    double factor = 1.0; ///< by which the points were multiplied; 1 where what is seen has no weight
 };
 /// @pre the weights are finite and at least 0, and one is above 0
 Score score_of(const Candidate& candidate, const Weights& weights);

@@ -36,6 +36,8 @@ namespace {
                 << "</td><td>" << in_words(ranked.score.points, 0);
             if (ranked.score.bar)
                 out << " &plusmn; " << in_words(*ranked.score.bar, 0);
+            if (ranked.score.factor < 1.0)
+                out << formatted(" (times %.2f: little is seen)", ranked.score.factor);
             out << (ranked.within_error ? " (not behind by more than the error)" : "") << "</td>";
             for (const double share : ranked.score.shares)
                 out << "<td>" << in_words(100.0 * share, 0) << "</td>";

@@ -57,6 +57,23 @@ namespace ranking_test {
         EXPECT_DOUBLE_EQ(score_of(one, only("bone")).points, 0.0);
     }
 
+    TEST(Ranking, WhatShowsTooLittleHasNoHighScoreWhateverItSpares)
+    {
+        const Candidate spares_all = candidate(0.08, 0.0, 60.0);
+        Candidate sternotomy = candidate(0.35, 0.0, 210.0);
+        sternotomy.divided_bones = { "sternum" };
+        EXPECT_GT(score_of(sternotomy, default_weights()).points, score_of(spares_all, default_weights()).points);
+        EXPECT_EQ(score_of(candidate(0.0), default_weights()).points, 0.0);
+        EXPECT_EQ(score_of(candidate(kEnoughSeen), default_weights()).factor, 1.0);
+        EXPECT_DOUBLE_EQ(score_of(candidate(0.5 * kEnoughSeen), default_weights()).factor, 0.5);
+        EXPECT_DOUBLE_EQ(score_of(candidate(0.0, 0.0, 165.0), only("incision")).points, 50.0)
+            << "who gives what is seen no weight is not overruled";
+        // Half of what is enough is seen, give or take a tenth of it: the bar of the mean, and that of the factor.
+        const Score at_half = score_of(candidate(0.125, 0.0125), only("seen"));
+        EXPECT_NEAR(at_half.points, 0.5 * 12.5, 1e-12);
+        EXPECT_NEAR(at_half.bar.value(), 0.5 * 1.25 + 0.05 * 12.5, 1e-12);
+    }
+
     TEST(Ranking, WhatIsNotKnownOrNotThereEarnsNothing)
     {
         Candidate unknown = candidate(0.5);

@@ -120,6 +120,8 @@ namespace {
                 "%zu. %s  %.0f", place + 1, planner::compared_letter(ranked.index).c_str(), ranked.score.points);
             text += (ranked.score.bar ? formatted(" +- %.0f", *ranked.score.bar) : " (error not known)")
                 + ("  " + fields[ranked.index].name);
+            if (ranked.score.factor < 1.0)
+                text += formatted("; times %.2f, since little of the target is seen", ranked.score.factor);
             if (ranked.within_error)
                 text += "; not behind the one above by more than the error";
             if (ranked.dominated_by)
@@ -185,6 +187,7 @@ Json comparison_document(const std::vector<ComparedField>& fields, const planner
     for (const planner::RankedField& ranked : ranking_of(fields, weights)) {
         Json row { { "name", metrics[ranked.index].name }, { "points", ranked.score.points },
             { "within_error", ranked.within_error } };
+        row["factor"] = ranked.score.factor;
         row["bar"] = ranked.score.bar ? Json(*ranked.score.bar) : Json();
         row["dominated_by"] = ranked.dominated_by ? Json(metrics[*ranked.dominated_by].name) : Json();
         for (std::size_t n = 0; n < planner::kCriteria; ++n)

@@ -155,6 +155,8 @@ namespace {
             return {};
         std::string text = "Score " + in_words(found->score.points)
             + (found->score.bar ? " \u00b1 " + in_words(*found->score.bar) : "");
+        if (found->score.factor < 1.0)
+            text += ", lowered because little is seen";
         if (found == order.begin())
             text += order.size() > 1 && order[1].within_error ? ", the highest, within the error" : ", the highest";
         return text;

@@ -573,6 +573,48 @@ namespace render_test {
         EXPECT_NE(oldest.errors().find("without"), std::string::npos);
     }
 
+    /// Mean column of the pixels in which a channel is bright; the picture has nothing else that is.
+    double middle_of(const Image& image, int channel)
+    {
+        constexpr int kBright = 60;
+        double sum = 0.0;
+        int count = 0;
+        for (std::size_t i = 0; i < image.rgb.size() / 3; ++i)
+            if (image.rgb[3 * i + static_cast<std::size_t>(channel)] > kBright) {
+                sum += static_cast<double>(i % static_cast<std::size_t>(image.width));
+                ++count;
+            }
+        EXPECT_GT(count, 0);
+        return sum / std::max(count, 1);
+    }
+
+    TEST_F(Pictures, TwoEyesSeeWhatIsNearAndFarAsTheyShould)
+    {
+        constexpr int kRed = 0, kBlue = 2, kWide = 640, kHigh = 480;
+        constexpr double kPixel = 1.0; // a box some 20 pixels wide has its middle to less
+        const auto apart = [&](double towards_eye_mm) {
+            Scene scene = samples::box_scene({ -1, -1, -1 }, { 1, 1, 1 }, { 1.0, 1.0, 1.0 });
+            scene.camera.eye = Vec3(0.0, -400.0, 0.0);
+            scene.camera.aim = Vec3::Zero();
+            const Vec3 middle(0.0, -towards_eye_mm, 0.0), half = Vec3::Constant(5.0);
+            scene.surfaces = { samples::unlit(samples::box_mesh(middle - half, middle + half), { 1.0, 1.0, 1.0 }) };
+            const Image image = draw(scene, kWide, kHigh);
+            return middle_of(image, kRed) - middle_of(image, kBlue);
+        };
+        EXPECT_NEAR(apart(100.0), 0.0, 1e-9) << "one eye";
+        samples::renderer().set_stereo(Stereo::red_cyan);
+        const double near = apart(100.0), at_screen = apart(0.0), far = apart(-100.0);
+        samples::renderer().set_stereo(Stereo::off);
+        // An eye at x sees a point d before the plane of the screen, which is D away, at -x d / (D - d) in this plane.
+        const double pixels_per_mm
+            = kHigh / (2.0 * 400.0 * std::tan(0.5 * Scene {}.camera.view_angle_deg * std::numbers::pi / 180.0));
+        const auto expected = [&](double d) { return pixels_per_mm * kEyesApartMm * d / (400.0 - d); };
+        EXPECT_NEAR(near, expected(100.0), kPixel) << "the left eye, behind the red glass, sees it further right";
+        EXPECT_NEAR(at_screen, 0.0, kPixel);
+        EXPECT_NEAR(far, expected(-100.0), kPixel);
+        EXPECT_NEAR(apart(100.0), 0.0, 1e-9) << "one eye again";
+    }
+
     TEST_F(Pictures, WhatCannotBeDrawnIsRefusedAndTheRendererGoesOn)
     {
         Scene bad = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 });

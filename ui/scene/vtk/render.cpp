@@ -123,6 +123,8 @@ OffscreenRenderer::OffscreenRenderer(std::unique_ptr<OffscreenContext> context, 
 }
 OffscreenRenderer::~OffscreenRenderer() = default;
 
+void OffscreenRenderer::set_stereo(Stereo stereo) { ui::set_stereo(*state_->window, stereo); }
+
 Image OffscreenRenderer::render(const Picture& picture)
 {
     show(picture);

@@ -5,6 +5,7 @@
 #include "ui/scene/scene.h"
 #include "ui/scene/vtk/chart.h"
 #include "ui/scene/vtk/offscreen.h"
+#include "ui/scene/vtk/stereo.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -25,6 +26,9 @@ public:
     /// Records the part "renderer" in the ledger, and "volume rendering" when an image is first uploaded.
     explicit OffscreenRenderer(std::unique_ptr<OffscreenContext> context, const Job& job = {});
     ~OffscreenRenderer();
+
+    /// All further pictures of scenes are for two eyes, or for one again. Off at first.
+    void set_stereo(Stereo stereo);
 
     /// @throws InputError as check_picture() does; IoError when the drawing library reports an error. A picture with an
     /// error is never returned.

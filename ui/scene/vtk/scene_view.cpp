@@ -4,6 +4,7 @@
 #include "ui/scene/linked_slices.h"
 #include "ui/scene/vtk/annotations.h"
 #include "ui/scene/vtk/slice_actor.h"
+#include "ui/scene/vtk/stereo.h"
 #include "ui/scene/vtk/surface_actors.h"
 
 #include <vtkAbstractVolumeMapper.h>
@@ -115,6 +116,7 @@ namespace {
         vtk.SetParallelProjection(camera.parallel ? 1 : 0);
         vtk.SetViewAngle(camera.view_angle_deg);
         vtk.SetParallelScale(camera.half_height_mm);
+    set_eyes_apart(vtk);
     }
 
 } // namespace

@@ -67,6 +67,7 @@ PictureAnswer BackgroundPicture::answer(const PictureRequest& request)
             renderer_->show(picture);
             shown_ = request;
         }
+        renderer_->set_stereo(request.stereo);
         return { .image = as_image(renderer_->draw(request.cameras)), .number = request.number };
     } catch (const std::exception& error) {
         return { .error = error.what(), .number = request.number };

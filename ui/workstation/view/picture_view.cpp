@@ -12,6 +12,7 @@
 #include "ui/workstation/view/turn_style.h"
 
 #include <vtkCallbackCommand.h>
+#include <vtkCamera.h>
 #include <vtkCommand.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkRenderWindowInteractor.h>
@@ -229,9 +230,11 @@ void PictureView::change()
 
 bool PictureView::can_rest() const { return live_ == nullptr && full_error_.empty(); }
 
-PictureRequest PictureView::request() const
+PictureRequest PictureView::request(Stereo stereo) const
 {
-    PictureRequest request { .scenes = scenes_, .layout = layout_, .cameras = cameras(), .number = number_ };
+    PictureRequest request {
+        .scenes = scenes_, .layout = layout_, .cameras = cameras(), .stereo = stereo, .number = number_
+    };
     request.width = static_cast<int>(std::lround(devicePixelRatioF() * width()));
     request.height = static_cast<int>(std::lround(devicePixelRatioF() * height()));
     return request;
@@ -240,7 +243,8 @@ PictureRequest PictureView::request() const
 double PictureView::pixel_ratio() const
 {
     // What stays on the screen, because no full picture follows it, is as fine as the screen.
-    return devicePixelRatioF() * (can_rest() && !saving_ ? moving_.scale() : 1.0);
+    const bool row_by_row = stereo_ == Stereo::row_by_row; // each row of the screen belongs to one eye
+    return devicePixelRatioF() * (can_rest() && !saving_ && !row_by_row ? moving_.scale() : 1.0);
 }
 
 void PictureView::set_pixel_ratio(double ratio)
@@ -285,7 +289,7 @@ void PictureView::rest()
         return; // it rests again at once
     }
     if (can_rest() && is_drawn())
-        background_.request(request());
+        background_.request(request(stereo_));
     else
         coarse_ = false;
 }
@@ -344,6 +348,13 @@ void PictureView::draw_soon()
         draw_timer_.start();
 }
 
+void PictureView::set_stereo(Stereo stereo)
+{
+    stereo_ = stereo;
+    ui::set_stereo(*drawn_->window, stereo);
+    build(true);
+}
+
 void PictureView::set_linked(bool linked)
 {
     linked_ = linked;
@@ -393,6 +404,8 @@ void PictureView::draw_now()
     draw_timer_.stop(); // this picture shows all changes
     makeCurrent();
     move_linked();
+    for (SceneView& view : drawn_->views)
+        set_eyes_apart(*view.renderer().GetActiveCamera());
     add_live();
     const Stopwatch drawing;
     drawn_->window->Render();
@@ -765,17 +778,20 @@ QImage PictureView::picture()
         build(true);
     }
     if (can_rest() && is_drawn()) {
-        const PictureAnswer answer = background_.draw(request());
-        show_full(answer);
+        const PictureAnswer answer = background_.draw(request(Stereo::off));
+        if (stereo_ == Stereo::off)
+            show_full(answer);
         if (!answer.image.isNull())
             return answer.image;
     }
     // What is drawn with the scene cannot be drawn in the background.
     saving_ = true;
+    ui::set_stereo(*drawn_->window, Stereo::off);
     build(true);
     draw_now();
     QImage image = grabFramebuffer();
     saving_ = false;
+    ui::set_stereo(*drawn_->window, stereo_);
     build(true);
     return image;
 }

@@ -5,6 +5,7 @@
 
 #include "planner/session/wall_picture.h"
 #include "ui/scene/scene.h"
+#include "ui/scene/vtk/stereo.h"
 #include "ui/scene/vtk/vtk_errors.h"
 #include "ui/workstation/view/background_picture.h"
 #include "ui/workstation/view/moving_resolution.h"
@@ -81,6 +82,10 @@ public:
     /// How several scenes share the view; scenes in space keep their cameras.
     void set_layout(SceneLayout layout);
     SceneLayout layout_of_scenes() const { return layout_; }
+
+    /// Shows scenes in space to two eyes. Pictures that are saved (picture()) are for one eye.
+    void set_stereo(Stereo stereo);
+    Stereo stereo() const { return stereo_; }
 
     /// Whether all scenes in space move alike when the mouse moves one of them.
     void set_linked(bool linked);
@@ -182,7 +187,7 @@ private:
     /// Whether the background can draw the full picture.
     bool can_rest() const;
     bool draws_whole_scenes() const;
-    PictureRequest request() const;
+    PictureRequest request(Stereo stereo) const;
     void show_full(const PictureAnswer& answer);
     void place_note();
     bool handle_mouse(QMouseEvent& event);
@@ -242,6 +247,7 @@ private:
     int pictures_ = 0;
     bool coarse_ = false;
     bool linked_ = false;
+    Stereo stereo_ = Stereo::off;
     SceneLayout layout_ = SceneLayout::grid;
     std::vector<Camera> drawn_cameras_; ///< of the last picture
     bool ready_ = false; ///< there is an OpenGL context

@@ -5,7 +5,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/image/skeleton.h"
-#include "planner/session/blade_bearing.h"
+#include "planner/session/retractor/blade_bearing.h"
 #include "planner/wall/division_cut.h"
 #include "planner/wall/wall_tension.h"
 
@@ -140,6 +140,7 @@ SurgerySession::SurgerySession(
     , hinges_(std::move(setup.hinges))
     , approach_(std::move(setup.approach))
     , find_division_(std::move(setup.find_division))
+    , planned_force_(std::move(setup.planned_force))
 {
     job_.ledger = job.ledger;
     for (const VertexId v : setup.held)
@@ -803,6 +804,7 @@ void SurgerySession::set_tension(double strain)
         throw InputError("the tension must lie between 0 and " + std::to_string(fem::kLargestPreStrain), "tension");
     if (strain == tension_)
         return;
+    force_factors_ = {}; // of a wall under another tension
     if (hooks_ != nullptr) { // the same hooks on a wall under another tension
         const double former = std::exchange(tension_, strain);
         try {
@@ -983,6 +985,49 @@ void SurgerySession::show_hooks()
         if (!hooks_->empty())
             hooks_->frame();
     });
+    match_forces();
+}
+
+/// Whether the planned incision is cut, whatever was cut after it.
+bool SurgerySession::has_planned_cut() const
+{
+    return std::ranges::any_of(history_.entries(), [](const CutEntry& cut) { return cut.in_force && cut.as_planned; });
+}
+
+/// Whether the wound is that of the plan: the planned incision with all that it divides, and nothing else.
+bool SurgerySession::is_cut_as_planned() const
+{
+    std::size_t strokes = 0;
+    bool all_planned = approach_.ablations.empty() && has_planned_cut();
+    for (const CutEntry& cut : history_.entries())
+        if (cut.in_force) {
+            strokes += cut.divides ? 1 : 0;
+            all_planned = all_planned && (cut.divides || cut.as_planned) && cut.omitted.empty();
+        }
+    return all_planned && strokes == approach_.division.strokes.size();
+}
+
+void SurgerySession::match_forces()
+{
+    if (!planned_force_ || hooks_ == nullptr || stroke_open() || std::isfinite(yield_N_) || !is_cut_as_planned())
+        return;
+    const HookReport report = hooks_->report();
+    const bool linear = report.shown == ShownAnswer::linear;
+    if (!linear && (report.shown != ShownAnswer::nonlinear || !hooks_->settled()))
+        return;
+    if (const auto factor = force_match(report, *planned_force_))
+        force_factors_[linear ? 0 : 1] = factor;
+}
+
+HookReport SurgerySession::hooks() const
+{
+    if (hooks_ == nullptr)
+        return {};
+    HookReport report = hooks_->report();
+    const auto& factor = force_factors_[report.shown == ShownAnswer::linear ? 0 : 1];
+    if (factor && !std::isfinite(yield_N_) && has_planned_cut() && is_planned_retractor(report, *planned_force_))
+        multiply_forces(report, *factor);
+    return report;
 }
 
 bool SurgerySession::has_hook(fem::HookId hook) const { return hooks_ != nullptr && hooks_->has(hook); }
@@ -1198,7 +1243,7 @@ KnifeAnswer SurgerySession::attach_planned_hooks()
         return { false, planned.omitted }; // a retractor needs both blades
     if (approach_.retractor)
         for (std::size_t n = 0; n < planned.placements.size(); ++n) { // as a retractor's that is set by hand
-            planned.names[n] = "planned " + blade_name(planned.placements[n].pull);
+            planned.names[n] = std::string(kPlannedBlade) + blade_name(planned.placements[n].pull);
             bear_on_bone(planned.placements[n], session_, skeleton_);
         }
     leave_out_those_there(planned, hooks().hooks);
@@ -1287,6 +1332,7 @@ void SurgerySession::relax(double milliseconds, const Job& job)
         moving_ = false;
         with_hooks([&] { hooks_->settle(stroke_open(), job); });
         moving_ = moving_ && hooks_unsettled();
+        match_forces();
         return;
     }
     fem::RelaxOptions options;

@@ -13,10 +13,12 @@
 #include "planner/approach/retractors.h"
 #include "planner/case/approach.h"
 #include "planner/session/cut_history.h"
+#include "planner/session/retractor/force_match.h"
 #include "planner/session/wall_picture.h"
 #include "planner/session/wall_region.h"
 #include "planner/session/wound_hooks.h"
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -57,6 +59,7 @@ struct SurgerySetup {
     std::shared_ptr<const TriMesh> beyond {};
     std::filesystem::path journal; ///< file that keeps the cuts; empty: cuts are not kept
     std::string caution {}; ///< message for the surgeon when the session is ready; may be empty
+    std::optional<PlannedForce> planned_force {}; ///< of the approach's plan; nothing: there is none
     /// Finds the strokes of an approach's division, as find_division() of planner/approach/find_division.h; empty:
     /// nothing is divided beyond a cut that was drawn by hand.
     std::function<void(Approach&)> find_division {};
@@ -193,8 +196,10 @@ public:
     void set_nonlinear(bool wanted);
     void take_off_hook(fem::HookId hook); ///< does nothing when the hook is gone
     void take_off_hooks();
-    /// Report of the hooks; empty without hooks.
-    HookReport hooks() const { return hooks_ != nullptr ? hooks_->report() : HookReport {}; }
+    /// Report of the hooks; empty without hooks. Once the planned cut was opened by the planned retractor as far as
+    /// planned, the forces of this retractor are those of the plan there, and in proportion at other openings and after
+    /// further cuts. Hooks that slip from a force on (set_yield()) are not matched.
+    HookReport hooks() const;
     /// Whether relax() has work left for the hooks: unsettled numbers of a moved hook, or a missing nonlinear solution.
     bool hooks_unsettled() const { return hooks_ != nullptr && !hooks_->settled(); }
     /// Whether relax() would change nothing yet, because the nonlinear solution is still being made.
@@ -265,6 +270,9 @@ private:
     template <class Call> void with_hooks(const Call& call);
     template <class Call> void change_hooks(const Call& change);
     void show_hooks();
+    bool has_planned_cut() const;
+    bool is_cut_as_planned() const;
+    void match_forces();
     bool has_hook(fem::HookId hook) const;
     std::shared_ptr<const WallSurface> make_surface() const;
 
@@ -300,6 +308,9 @@ private:
     Approach approach_;
     std::function<void(Approach&)> find_division_; ///< empty: none
     std::unique_ptr<WoundHooks> hooks_; ///< null: no hooks
+    std::optional<PlannedForce> planned_force_;
+    /// By force_match(), of the last time that the wound was as planned: of the linear and of the nonlinear answer.
+    std::array<std::optional<double>, 2> force_factors_ {};
     bool nonlinear_ = false;
     int hooks_made_ = 0; ///< number of solvers made for hooks
     double yield_N_ = std::numeric_limits<double>::infinity();

@@ -272,6 +272,7 @@ void SurgeryWorker::prepare_session(const std::function<SurgerySetup(const Job&)
         if (setup.beyond != nullptr && !setup.beyond->triangles.empty())
             beyond = std::make_shared<const BeyondSurface>(setup.beyond, setup.wall, setup.region);
         change_snapshot([&](SurgerySnapshot& next) {
+            next.planned_force = setup.planned_force;
             next.labels = setup.labels;
             next.outline = std::move(outline);
             next.beyond = std::move(beyond);

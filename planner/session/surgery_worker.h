@@ -61,6 +61,7 @@ struct SurgerySnapshot {
     double relax_ms = 0.0; ///< time of the last frame of the wound's opening
     HookReport hooks;
     std::size_t planned_hooks = 0; ///< number of hooks in the approach
+    std::optional<PlannedForce> planned_force; ///< see SurgerySetup
     DivisionExtent division = DivisionExtent::skin; ///< what the approach divides beyond the skin
 };
 

@@ -3,7 +3,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
-#include "planner/session/blade_bearing.h"
+#include "planner/session/retractor/blade_bearing.h"
 
 #include <algorithm>
 #include <cmath>

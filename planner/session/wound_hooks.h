@@ -15,7 +15,7 @@
 #include "planner/session/hook_placement.h"
 #include "planner/session/lip_overlap.h"
 #include "planner/session/near_wound.h"
-#include "planner/session/rack_balance.h"
+#include "planner/session/retractor/rack_balance.h"
 
 #include <array>
 #include <cstddef>
@@ -76,6 +76,7 @@ struct HookReport {
     /// is nonlinear.
     std::string shown_text;
     std::array<double, 2> side_N {}; ///< sums of the forces' norms on side +1 and side -1
+    std::optional<double> force_factor {}; ///< the forces were multiplied by it, to match a plan (force_match.h)
     fem::StrainPeak strain; ///< of the last settled frame
     /// Relative residual; nonlinear: relative to the largest force; linear: of the whole field; linear_since: without
     /// meaning, because the sum is no equilibrium.

@@ -108,6 +108,14 @@ namespace {
             .arg(report.lip_overlap_mm, 0, 'f', 1);
     }
 
+    /// Whether the forces are those of the plan: matched to it, and the retractor is opened about as far.
+    bool are_as_planned(const planner::HookReport& report, const std::optional<planner::PlannedForce>& plan)
+    {
+        constexpr double kNearMm = 5.0;
+        return plan && report.force_factor
+            && std::abs(report.retractors.front().opening_mm - plan->opening_mm) <= kNearMm;
+    }
+
     /// A remark when only the tissue near the wound is computed well; otherwise empty.
     QString rough_remark(const planner::HookReport& report)
     {
@@ -117,10 +125,10 @@ namespace {
                       "approach for better ones.");
     }
 
-    QString remarks(const planner::HookReport& report)
+    QString remarks(const planner::HookReport& report, const std::optional<planner::PlannedForce>& plan)
     {
         QStringList said { meeting_remark(report), overlap_remark(report), force_remark(report), strain_remark(report),
-            rough_remark(report) };
+            are_as_planned(report, plan) ? QString() : rough_remark(report) };
         said.removeAll({});
         return said.join('\n');
     }
@@ -157,6 +165,18 @@ namespace {
             .arg(std::max(0.0, retractor.opening_mm), 0, 'f', 0)
             .arg(retractor.greatest_opening_mm, 0, 'f', 0)
             .arg(forces);
+    }
+
+    /// "Plan: 108 N (75 to 142 N) at 30 mm; forces at other openings are in proportion".
+    QString planned_force_text(const planner::PlannedForce& plan, bool matched)
+    {
+        return QString(matched ? "Plan: %1 N (%2 to %3 N) at %4 mm; forces at other openings are in proportion"
+                               : "Plan: %1 N (%2 to %3 N) at %4 mm; not matched: forces by hand may be off by two or "
+                                 "three times")
+            .arg(plan.force_N, 0, 'f', 0)
+            .arg(std::max(0.0, plan.force_N - plan.bar_N), 0, 'f', 0)
+            .arg(plan.force_N + plan.bar_N, 0, 'f', 0)
+            .arg(plan.opening_mm, 0, 'f', 0);
     }
 
     /// Text of a hook: "left 1   12.3 of 15.0 mm, 60.0 N: yields".
@@ -636,7 +656,8 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
     const bool other_unit = planner::share_of_plan(report.hooks).has_value() != by_share_;
     if (count == 0 || other_unit || (report.settled && !opening_->isSliderDown()))
         show_opening(report);
-    const QString warning = report.refusal.empty() ? remarks(report) : QString::fromStdString(report.refusal);
+    const std::optional<planner::PlannedForce> plan = snapshot != nullptr ? snapshot->planned_force : std::nullopt;
+    const QString warning = report.refusal.empty() ? remarks(report, plan) : QString::fromStdString(report.refusal);
     refusal_->setText(translated(warning));
     refusal_->setVisible(!warning.isEmpty());
     numbers_->setVisible(count > 0);
@@ -646,8 +667,11 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
     for (const planner::RetractorState& retractor : report.retractors)
         said += retractor_text(retractor) + '\n';
     if (report.hooks.size() != 2 * report.retractors.size()) // otherwise the retractors' forces say it
-        said
-            += QString("%1 on one side, %2 on the other").arg(newtons(report.side_N[0])).arg(newtons(report.side_N[1]));
+        said += QString("%1 on one side, %2 on the other\n")
+                    .arg(newtons(report.side_N[0]))
+                    .arg(newtons(report.side_N[1]));
+    if (plan)
+        said += planned_force_text(*plan, report.force_factor.has_value());
     numbers_->setText(translated(said.trimmed()));
 }
 

@@ -96,16 +96,37 @@ namespace {
         return outcome;
     }
 
+    /// What the saved plan of an approach says of the force of its retractor; nothing: there is no such plan.
+    std::optional<planner::PlannedForce> planned_force(
+        const planner::Patient& patient, const planner::Approach& approach)
+    {
+        try {
+            const auto plan = planner::read_saved_plan(case_with(patient, approach), approach.name);
+            if (!plan || !plan->field.metrics.retractor || !plan->field.metrics.error
+                || !plan->field.metrics.error->message.empty())
+                return std::nullopt;
+            const planner::FieldMetrics& field = plan->field.metrics;
+            return planner::PlannedForce { .retractor = field.retractor->kind,
+                .opening_mm = field.retractor->opening_mm,
+                .force_N = field.hook_force_N,
+                .bar_N = field.error->hook_force_N };
+        } catch (const Error&) { // a damaged plan is told of where it is shown
+            return std::nullopt;
+        }
+    }
+
     /// Differences between the plan's hooks and those of the surgery session; empty: none.
-    std::string not_as_planned(const planner::Case& planned_case)
+    /// @param is_planned forces are matched to those of the plan
+    std::string not_as_planned(const planner::Case& planned_case, bool is_planned)
     {
         std::string text;
         if (planner::under_pressure(planned_case))
             remark(text, "plans include the pressure on the wall, cutting by hand does not");
         if (planner::has_ten_nodes(planned_case.solution.element)) {
-            remark(text,
-                "hook forces in cutting by hand may be twice those of plans of this case, which are solved more "
-                "finely and with less compressible tissue");
+            if (!is_planned)
+                remark(text,
+                    "forces by hand may be off by two or three times: plan the approach first, and they are matched to "
+                    "its plan");
             return text;
         }
         const std::vector<fem::Material> here = planner::materials_as_solved(planned_case, planner::ElementKind::p1),
@@ -122,13 +143,25 @@ namespace {
         return text;
     }
 
-    /// The setup of a surgery session. The wall is meshed as in plan_approach(), so the session cuts the elements of
-    /// the plan; it is not meshed along a division beyond the incision, which would nearly double it.
+    /// Ten-node elements may be so large that the skin of their mesh is jagged where a hand cuts it.
+    planner::SizingSpec fine_enough_to_cut(planner::SizingSpec sizing)
+    {
+        constexpr double kEdgeMm = 8.0, kCoarseEdgeMm = 15.0; // as in an import
+        sizing.corridor_edge_mm = std::min(sizing.corridor_edge_mm, kEdgeMm);
+        sizing.coarse_edge_mm = std::min(sizing.coarse_edge_mm, kCoarseEdgeMm);
+        return sizing;
+    }
+
+    /// The setup of a surgery session. The wall is meshed as in plan_approach(), unless the plan's elements are too
+    /// large to be cut by hand. It is not meshed along a division beyond the incision, which would nearly double it.
     SurgeryInput make_surgery_input(planner::Patient& patient, planner::Approach approach, const Job& job)
     {
         planner::check_approach(approach);
         const planner::Case& planned_case = patient.planned_case();
+        std::optional<planner::PlannedForce> force = planned_force(patient, approach);
         const auto labels = patient.labels();
+        if (planner::has_ten_nodes(planned_case.solution.element))
+            approach.sizing = fine_enough_to_cut(approach.sizing);
         const mesh::MeshSizing sizing = planner::mesh_sizing_of(approach, planned_case.label_table);
         planner::find_division(approach, patient); // after the sizing: the mesh need not reach along it
         mesh::HybridModel model = planner::build_wall(*labels, sizing, job);
@@ -153,7 +186,8 @@ namespace {
         setup.labels = planned_case.label_table;
         setup.journal = planner::cuts_journal(planned_case.file(), approach.name);
         setup.materials = planner::materials_as_solved(patient, planner::ElementKind::p1);
-        setup.caution = not_as_planned(planned_case);
+        setup.caution = not_as_planned(planned_case, force.has_value());
+        setup.planned_force = std::move(force);
         if (!approach.division.strokes.empty())
             remark(setup.caution, "what is divided beyond the skin ends where the meshed wall does");
         setup.write_wall

@@ -1,4 +1,4 @@
-#include "planner/session/rack_balance.h"
+#include "planner/session/retractor/rack_balance.h"
 
 #include <algorithm>
 #include <cmath>

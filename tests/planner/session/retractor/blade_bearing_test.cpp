@@ -1,4 +1,4 @@
-#include "planner/session/blade_bearing.h"
+#include "planner/session/retractor/blade_bearing.h"
 
 #include "mesh/tetrahedra/tet_grid.h"
 

@@ -61,7 +61,10 @@ void MainWindow::make_look_actions(QMenu& menu)
     cut->addSeparator();
     add_action(
         *cut, "Next", Qt::Key_V, "Nothing, the front, the back, one side after the other", [this] { next_cut_side(); });
-    make_stereo_actions(*menu.addMenu("Stereo"));
+    QAction* const stereo = add_action(menu, "Stereo, red and cyan", {},
+        "Show scenes in space to two eyes; the red glass stands before the left eye", [] {});
+    stereo->setCheckable(true);
+    connect(stereo, &QAction::toggled, this, [this](bool on) { view_->set_stereo(on); });
     straight_optics_ = add_action(menu, "Endoscope, straight", Qt::Key_6,
         "Look into the opened wound through an endoscope, 50 mm before the target",
         [this] { look_through_endoscope(0.0); });
@@ -77,21 +80,6 @@ void MainWindow::make_look_actions(QMenu& menu)
     mark_timer_.setSingleShot(true);
     mark_timer_.setInterval(kMarkMs);
     connect(&mark_timer_, &QTimer::timeout, this, [this] { show_space_again(); });
-}
-
-void MainWindow::make_stereo_actions(QMenu& menu)
-{
-    auto* const group = new QActionGroup(this);
-    for (const auto& [text, stereo, tip] : { std::tuple { "Off", Stereo::off, "Pictures for one eye" },
-             std::tuple { "Red and cyan glasses", Stereo::red_cyan,
-                 "Pictures for two eyes on any screen; the red glass belongs before the left eye" },
-             std::tuple { "3D screen, row by row", Stereo::row_by_row,
-                 "Pictures for two eyes on a screen whose rows are polarised in turn" } }) {
-        QAction* const action = add_action(menu, text, {}, tip, [this, stereo = stereo] { view_->set_stereo(stereo); });
-        action->setCheckable(true);
-        action->setChecked(stereo == Stereo::off);
-        group->addAction(action);
-    }
 }
 
 /// Has the organs drawn that are wanted and not there yet, in the background.

@@ -208,7 +208,6 @@ private:
     void set_label_look(LabelLook look);
     // main_look.cpp
     void make_look_actions(QMenu& menu);
-    void make_stereo_actions(QMenu& menu);
     void next_wall_look();
     void set_cut_side(std::optional<CutSide> side);
     void next_cut_side();

@@ -7,6 +7,7 @@
 #include "tests/ui/scene/png_files.h"
 #include "tests/ui/scene/sample_scenes.h"
 #include "ui/scene/vtk/identifier_picture.h"
+#include "ui/scene/vtk/stereo.h"
 #include "ui/scene/vtk/vtk_errors.h"
 
 #include <gtest/gtest.h>
@@ -591,24 +592,24 @@ namespace render_test {
     TEST_F(Pictures, TwoEyesSeeWhatIsNearAndFarAsTheyShould)
     {
         constexpr int kRed = 0, kBlue = 2, kWide = 640, kHigh = 480;
-        constexpr double kPixel = 1.0; // a box some 20 pixels wide has its middle to less
+        constexpr double kPixel = 1.0; // a plate some 20 pixels wide has its middle to less
         const auto apart = [&](double towards_eye_mm) {
             Scene scene = samples::box_scene({ -1, -1, -1 }, { 1, 1, 1 }, { 1.0, 1.0, 1.0 });
             scene.camera.eye = Vec3(0.0, -400.0, 0.0);
             scene.camera.aim = Vec3::Zero();
-            const Vec3 middle(0.0, -towards_eye_mm, 0.0), half = Vec3::Constant(5.0);
+            const Vec3 middle(0.0, -towards_eye_mm, 0.0), half(5.0, 0.5, 5.0); // a plate: one distance
             scene.surfaces = { samples::unlit(samples::box_mesh(middle - half, middle + half), { 1.0, 1.0, 1.0 }) };
             const Image image = draw(scene, kWide, kHigh);
             return middle_of(image, kRed) - middle_of(image, kBlue);
         };
         EXPECT_NEAR(apart(100.0), 0.0, 1e-9) << "one eye";
-        samples::renderer().set_stereo(Stereo::red_cyan);
+        samples::renderer().set_stereo(true);
         const double near = apart(100.0), at_screen = apart(0.0), far = apart(-100.0);
-        samples::renderer().set_stereo(Stereo::off);
+        samples::renderer().set_stereo(false);
         // An eye at x sees a point d before the plane of the screen, which is D away, at -x d / (D - d) in this plane.
         const double pixels_per_mm
             = kHigh / (2.0 * 400.0 * std::tan(0.5 * Scene {}.camera.view_angle_deg * std::numbers::pi / 180.0));
-        const auto expected = [&](double d) { return pixels_per_mm * kEyesApartMm * d / (400.0 - d); };
+        const auto expected = [&](double d) { return pixels_per_mm * kEyesApartShare * 400.0 * d / (400.0 - d); };
         EXPECT_NEAR(near, expected(100.0), kPixel) << "the left eye, behind the red glass, sees it further right";
         EXPECT_NEAR(at_screen, 0.0, kPixel);
         EXPECT_NEAR(far, expected(-100.0), kPixel);

@@ -3,6 +3,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "ui/scene/vtk/scene_view.h"
+#include "ui/scene/vtk/stereo.h"
 #include "ui/scene/vtk/vtk_errors.h"
 
 #include <vtk_glew.h>
@@ -123,7 +124,7 @@ OffscreenRenderer::OffscreenRenderer(std::unique_ptr<OffscreenContext> context, 
 }
 OffscreenRenderer::~OffscreenRenderer() = default;
 
-void OffscreenRenderer::set_stereo(Stereo stereo) { ui::set_stereo(*state_->window, stereo); }
+void OffscreenRenderer::set_stereo(bool on) { ui::set_stereo(*state_->window, on); }
 
 Image OffscreenRenderer::render(const Picture& picture)
 {

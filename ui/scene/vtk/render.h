@@ -5,7 +5,6 @@
 #include "ui/scene/scene.h"
 #include "ui/scene/vtk/chart.h"
 #include "ui/scene/vtk/offscreen.h"
-#include "ui/scene/vtk/stereo.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -28,7 +27,7 @@ public:
     ~OffscreenRenderer();
 
     /// All further pictures of scenes are for two eyes, or for one again. Off at first.
-    void set_stereo(Stereo stereo);
+    void set_stereo(bool on);
 
     /// @throws InputError as check_picture() does; IoError when the drawing library reports an error. A picture with an
     /// error is never returned.

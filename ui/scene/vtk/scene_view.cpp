@@ -116,7 +116,7 @@ namespace {
         vtk.SetParallelProjection(camera.parallel ? 1 : 0);
         vtk.SetViewAngle(camera.view_angle_deg);
         vtk.SetParallelScale(camera.half_height_mm);
-    set_eyes_apart(vtk);
+        set_eyes_apart(vtk);
     }
 
 } // namespace

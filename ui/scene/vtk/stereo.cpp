@@ -8,20 +8,16 @@
 
 namespace retractor::ui {
 
-void set_stereo(vtkRenderWindow& window, Stereo stereo)
+void set_stereo(vtkRenderWindow& window, bool on)
 {
-    if (stereo == Stereo::red_cyan)
-        window.SetStereoTypeToAnaglyph();
-    else if (stereo == Stereo::row_by_row)
-        window.SetStereoTypeToInterlaced();
-    window.SetStereoRender(stereo == Stereo::off ? 0 : 1);
+    window.SetStereoTypeToAnaglyph();
+    window.SetStereoRender(on ? 1 : 0);
 }
 
 void set_eyes_apart(vtkCamera& camera)
 {
-    const double distance_mm = camera.GetDistance();
-    const bool one_eye = camera.GetParallelProjection() != 0 || !(distance_mm > 0.0);
-    camera.SetEyeAngle(one_eye ? 0.0 : 2.0 * std::atan(0.5 * kEyesApartMm / distance_mm) * 180.0 / std::numbers::pi);
+    const bool one_eye = camera.GetParallelProjection() != 0;
+    camera.SetEyeAngle(one_eye ? 0.0 : 2.0 * std::atan(0.5 * kEyesApartShare) * 180.0 / std::numbers::pi);
 }
 
 } // namespace retractor::ui

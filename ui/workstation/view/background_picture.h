@@ -21,7 +21,7 @@ struct PictureRequest {
     SceneLayout layout = SceneLayout::grid;
     std::vector<Camera> cameras {}; ///< one for each scene
     int width = 0, height = 0; ///< pixels
-    Stereo stereo = Stereo::off;
+    bool stereo = false; ///< for two eyes
     int number = 0; ///< comes back with the answer
 };
 

@@ -8,11 +8,11 @@
 #include "ui/scene/moving_scene.h"
 #include "ui/scene/vtk/live_surface.h"
 #include "ui/scene/vtk/scene_view.h"
+#include "ui/scene/vtk/stereo.h"
 #include "ui/workstation/language/language.h"
 #include "ui/workstation/view/turn_style.h"
 
 #include <vtkCallbackCommand.h>
-#include <vtkCamera.h>
 #include <vtkCommand.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkRenderWindowInteractor.h>
@@ -200,6 +200,7 @@ void PictureView::build(bool keep_cameras)
     const double ratio = pixel_ratio();
     set_pixel_ratio(ratio);
     const bool whole = draws_whole_scenes();
+    ui::set_stereo(*drawn_->window, in_stereo());
     drawn_->volumes.set_interactive(!whole);
     for (Viewport& viewport :
         arrange_scenes(whole ? *scenes_ : coarse_scenes_, ratio * width(), ratio * height(), layout_)) {
@@ -230,7 +231,7 @@ void PictureView::change()
 
 bool PictureView::can_rest() const { return live_ == nullptr && full_error_.empty(); }
 
-PictureRequest PictureView::request(Stereo stereo) const
+PictureRequest PictureView::request(bool stereo) const
 {
     PictureRequest request {
         .scenes = scenes_, .layout = layout_, .cameras = cameras(), .stereo = stereo, .number = number_
@@ -243,8 +244,7 @@ PictureRequest PictureView::request(Stereo stereo) const
 double PictureView::pixel_ratio() const
 {
     // What stays on the screen, because no full picture follows it, is as fine as the screen.
-    const bool row_by_row = stereo_ == Stereo::row_by_row; // each row of the screen belongs to one eye
-    return devicePixelRatioF() * (can_rest() && !saving_ && !row_by_row ? moving_.scale() : 1.0);
+    return devicePixelRatioF() * (can_rest() && !saving_ ? moving_.scale() : 1.0);
 }
 
 void PictureView::set_pixel_ratio(double ratio)
@@ -289,7 +289,7 @@ void PictureView::rest()
         return; // it rests again at once
     }
     if (can_rest() && is_drawn())
-        background_.request(request(stereo_));
+        background_.request(request(in_stereo()));
     else
         coarse_ = false;
 }
@@ -311,7 +311,7 @@ void PictureView::show_full(const PictureAnswer& answer)
     full_->setPixmap(pixmap);
     full_->setGeometry(rect());
     full_->show();
-    if (on_full_picture)
+    if (on_full_picture && !in_stereo())
         on_full_picture(answer.image);
 }
 
@@ -348,11 +348,16 @@ void PictureView::draw_soon()
         draw_timer_.start();
 }
 
-void PictureView::set_stereo(Stereo stereo)
+void PictureView::set_stereo(bool on)
 {
-    stereo_ = stereo;
-    ui::set_stereo(*drawn_->window, stereo);
+    stereo_ = on;
     build(true);
+}
+
+bool PictureView::in_stereo() const
+{
+    return stereo_ && !saving_
+        && std::all_of(scenes_->begin(), scenes_->end(), [](const Scene& scene) { return scene.slices.empty(); });
 }
 
 void PictureView::set_linked(bool linked)
@@ -404,8 +409,6 @@ void PictureView::draw_now()
     draw_timer_.stop(); // this picture shows all changes
     makeCurrent();
     move_linked();
-    for (SceneView& view : drawn_->views)
-        set_eyes_apart(*view.renderer().GetActiveCamera());
     add_live();
     const Stopwatch drawing;
     drawn_->window->Render();
@@ -778,20 +781,18 @@ QImage PictureView::picture()
         build(true);
     }
     if (can_rest() && is_drawn()) {
-        const PictureAnswer answer = background_.draw(request(Stereo::off));
-        if (stereo_ == Stereo::off)
+        const PictureAnswer answer = background_.draw(request(false));
+        if (!in_stereo())
             show_full(answer);
         if (!answer.image.isNull())
             return answer.image;
     }
     // What is drawn with the scene cannot be drawn in the background.
     saving_ = true;
-    ui::set_stereo(*drawn_->window, Stereo::off);
     build(true);
     draw_now();
     QImage image = grabFramebuffer();
     saving_ = false;
-    ui::set_stereo(*drawn_->window, stereo_);
     build(true);
     return image;
 }

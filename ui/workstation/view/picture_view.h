@@ -5,7 +5,6 @@
 
 #include "planner/session/wall_picture.h"
 #include "ui/scene/scene.h"
-#include "ui/scene/vtk/stereo.h"
 #include "ui/scene/vtk/vtk_errors.h"
 #include "ui/workstation/view/background_picture.h"
 #include "ui/workstation/view/moving_resolution.h"
@@ -83,9 +82,9 @@ public:
     void set_layout(SceneLayout layout);
     SceneLayout layout_of_scenes() const { return layout_; }
 
-    /// Shows scenes in space to two eyes. Pictures that are saved (picture()) are for one eye.
-    void set_stereo(Stereo stereo);
-    Stereo stereo() const { return stereo_; }
+    /// Shows scenes in space to two eyes, through red and cyan glasses; not beside slices, whose greys would suffer.
+    /// Pictures that are saved are for one eye.
+    void set_stereo(bool on);
 
     /// Whether all scenes in space move alike when the mouse moves one of them.
     void set_linked(bool linked);
@@ -187,7 +186,8 @@ private:
     /// Whether the background can draw the full picture.
     bool can_rest() const;
     bool draws_whole_scenes() const;
-    PictureRequest request(Stereo stereo) const;
+    PictureRequest request(bool stereo) const;
+    bool in_stereo() const;
     void show_full(const PictureAnswer& answer);
     void place_note();
     bool handle_mouse(QMouseEvent& event);
@@ -247,7 +247,7 @@ private:
     int pictures_ = 0;
     bool coarse_ = false;
     bool linked_ = false;
-    Stereo stereo_ = Stereo::off;
+    bool stereo_ = false; ///< wanted
     SceneLayout layout_ = SceneLayout::grid;
     std::vector<Camera> drawn_cameras_; ///< of the last picture
     bool ready_ = false; ///< there is an OpenGL context

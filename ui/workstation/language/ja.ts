@@ -528,6 +528,14 @@
         <translation>道具</translation>
     </message>
     <message>
+        <source>Stereo, red and cyan</source>
+        <translation>立体表示（赤青メガネ）</translation>
+    </message>
+    <message>
+        <source>Show scenes in space to two eyes; the red glass stands before the left eye</source>
+        <translation>立体の画面を両目用に表示します。赤いレンズを左目に当てます</translation>
+    </message>
+    <message>
         <source>Body wall</source>
         <translation>体壁</translation>
     </message>
@@ -2484,6 +2492,30 @@
         <translation>計画に失敗しました。</translation>
     </message>
     <message>
+        <source>Score %1, lowered because little is seen, the highest, within the error</source>
+        <translation>点数 %1（見える部分が少ないため減点、最高、誤差の範囲内）</translation>
+    </message>
+    <message>
+        <source>Score %1, lowered because little is seen, the highest</source>
+        <translation>点数 %1（見える部分が少ないため減点、最高）</translation>
+    </message>
+    <message>
+        <source>Score %1, lowered because little is seen</source>
+        <translation>点数 %1（見える部分が少ないため減点）</translation>
+    </message>
+    <message>
+        <source>forces by hand may be off by two or three times: plan the approach first, and they are matched to its plan</source>
+        <translation>手動操作の力は 2 〜 3 倍ずれることがあります。先にアプローチを計画すると、その計画に合わせて補正されます</translation>
+    </message>
+    <message>
+        <source>Plan: %1 N (%2 to %3 N) at %4 mm; not matched: forces by hand may be off by two or three times</source>
+        <translation>計画：%4 mm で %1 N（%2 〜 %3 N）。補正なし：手動操作の力は 2 〜 3 倍ずれることがあります</translation>
+    </message>
+    <message>
+        <source>Plan: %1 N (%2 to %3 N) at %4 mm; forces at other openings are in proportion</source>
+        <translation>計画：%4 mm で %1 N（%2 〜 %3 N）。ほかの開き幅での力はこれに比例</translation>
+    </message>
+    <message>
         <source>Score %1, the highest, within the error</source>
         <translation>点数 %1（最高、誤差の範囲内）</translation>
     </message>
@@ -3144,8 +3176,8 @@
         <translation>標的が見える</translation>
     </message>
     <message>
-        <source>share of the target that the best eye sees, 0 to 100 %</source>
-        <translation>最良の目に見える標的の割合、0 〜 100 %</translation>
+        <source>share of the target that the best eye sees, 0 to 100 %; below 25 % the whole score falls with it</source>
+        <translation>最良の目に見える標的の割合、0 〜 100 %。25 % 未満では点数全体がそれに応じて下がる</translation>
     </message>
     <message>
         <source>reached by instruments</source>

@@ -197,7 +197,7 @@ namespace {
         planner::SolverSettings& solution = planned_case.solution; // settings without an option stay as in the case
         if (!options.elasticity.empty())
             solution.elasticity = planner::elasticity_from_string(options.elasticity).value();
-        if (!options.element.empty())
+        if (!options.element.empty() && !options.draft) // a draft has elements and sizes of its own
             solution.element = planner::element_from_string(options.element).value();
         solution.near_mm = options.near_mm.value_or(solution.near_mm);
         if (options.draft) {

@@ -87,7 +87,16 @@ namespace {
             if (has_condensed_region(field))
                 options.near = near_elements(field, choice.near_mm);
             options.far_tolerance = std::numeric_limits<double>::infinity(); // the region stays linear, as in the field
-            return fem::Opening(coarse, options).open(coarse.hooks, as_stage(job, "opening, four-node elements"));
+            const Job named = as_stage(job, "opening, four-node elements");
+            if (!has_condensed_region(field)) { // the field's own solution is near
+                fem::Opening opening(coarse, options);
+                opening.start_from(fem::with_blade_nodes(
+                    coarse, wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved));
+                fem::OpeningResult result = opening.open(coarse.hooks, named);
+                if (is_usable(result) || result.status == fem::OpeningStatus::cancelled)
+                    return result;
+            }
+            return fem::Opening(coarse, options).open(coarse.hooks, named);
         };
         fem::OpeningResult result = wound.coarse ? *wound.coarse : open_coarse();
         if (!is_usable(result))

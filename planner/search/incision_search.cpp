@@ -100,6 +100,14 @@ namespace {
         }
     }
 
+    /// The score, 0 to 100, without its factor: what rays call seen is a share of something else, and what is enough of
+    /// the target is not enough of that.
+    double score_by_rays(const Candidate& candidate, const Weights& weights)
+    {
+        const Score score = score_of(candidate, weights);
+        return score.factor > 0.0 ? score.points / score.factor : 0.0;
+    }
+
     /// Does f(0) to f(count - 1) on the job's threads, with progress.
     void run_parallel(std::size_t count, const Job& job, const std::function<void(std::size_t)>& f)
     {
@@ -190,7 +198,7 @@ namespace {
                 = largest_bound_mm2 > 0.0 ? std::min(1.0, field.best_eye.bound_area_mm2 / largest_bound_mm2) : 1.0;
             field.seen_best_eye = share * incision.own_seen;
             field.reached_by_two_instruments = share * incision.own_reached;
-            incision.points_of_100 = score_of(incision.candidate, weights).points;
+            incision.points_of_100 = score_by_rays(incision.candidate, weights);
         }
 
         void take_bound(const FoundIncision& incision)

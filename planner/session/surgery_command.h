@@ -58,6 +58,10 @@ namespace surgery {
         double opening_mm = 0.0;
     };
     struct TakePlannedHooks { };
+    /// Tells what a new plan of the approach says; see SurgerySession::set_planned_force().
+    struct SetPlannedForce {
+        PlannedForce force {};
+    };
     /// Pulls one hook to a displacement, mm from rest. Of the waiting commands only the newest for each hook runs, so
     /// that the wound follows the hand.
     struct PullHook {
@@ -93,7 +97,8 @@ namespace surgery {
 
     using Command = std::variant<BeginStroke, DrawTo, LeaveWall, FinishStroke, AbandonStroke, CutAsPlanned,
         DivideBeyondCut, TakeOut, Undo, Redo, GoTo, SetTension, PlaceHook, PlaceRetractor, Crank, TakePlannedHooks,
-        PullHook, PullAllHooks, PullHooksByShare, SetYield, SetNonlinear, TakeOffHook, TakeOffHooks, ExportWall>;
+        PullHook, PullAllHooks, PullHooksByShare, SetPlannedForce, SetYield, SetNonlinear, TakeOffHook, TakeOffHooks,
+        ExportWall>;
 
 } // namespace surgery
 } // namespace retractor::planner

@@ -5,6 +5,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/image/skeleton.h"
+#include "planner/session/planned_cuts.h"
 #include "planner/session/retractor/blade_bearing.h"
 #include "planner/wall/division_cut.h"
 #include "planner/wall/wall_tension.h"
@@ -79,15 +80,6 @@ namespace {
         return labels;
     }
 
-    CutEntry entry_of(const mesh::Blade& blade, const mesh::CutReport& report)
-    {
-        CutEntry entry { .depth_mm = blade.depth_mm, .report = report };
-        for (std::size_t i = 1; i < blade.line.size(); ++i)
-            entry.length_mm += (blade.line[i] - blade.line[i - 1]).norm();
-        entry.blade = blade;
-        return entry;
-    }
-
     std::vector<HookPlacement> placements_of(const HookSet& set)
     {
         std::vector<HookPlacement> placements;
@@ -153,9 +145,11 @@ SurgerySession::SurgerySession(
         for (const fem::HingeEdge& edge : hinge.edges)
             hinge_nodes_.insert({ edge.a, edge.b });
     const std::vector<LipsOfCut> lips = cuts.empty() ? std::vector<LipsOfCut> {} : lips_of_cuts(session_, cuts.size());
-    for (const mesh::MeshDelta& delta : cuts)
-        history_.append(
-            restored_entry(delta, lips[history_.entries().size()], labels_, rest_, [&] { (void)take_in(delta); }));
+    const std::vector<CutEntry> planned = recognise_planned_cuts(*first_, approach_, labels_, cuts, job);
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+        CutEntry restored = restored_entry(cuts[i], lips[i], labels_, rest_, [&] { (void)take_in(cuts[i]); });
+        history_.append(i < planned.size() ? planned[i] : std::move(restored));
+    }
 }
 
 SurgerySession::~SurgerySession() = default;
@@ -406,9 +400,7 @@ KnifeAnswer SurgerySession::make_strokes(const Approach& divided, const std::set
             return { answer.done, "the division was cancelled" };
         step_ms_ = 1e3 * watch.seconds();
         follow(cut.deltas.front());
-        CutEntry entry { .length_mm = stroke.length_mm, .depth_mm = stroke.depth_mm, .divides = stroke.way };
-        entry.report.lip_area_mm2 = cut.divided->severed_mm2;
-        add_cut(std::move(entry));
+        add_cut(entry_of(stroke, *cut.divided));
         answer.done = true;
     }
     if (!answer.done && all)
@@ -1005,6 +997,16 @@ bool SurgerySession::is_cut_as_planned() const
             all_planned = all_planned && (cut.divides || cut.as_planned) && cut.omitted.empty();
         }
     return all_planned && strokes == approach_.division.strokes.size();
+}
+
+bool SurgerySession::set_planned_force(const PlannedForce& force)
+{
+    if (planned_force_ == force)
+        return false;
+    planned_force_ = force;
+    force_factors_ = {};
+    match_forces();
+    return true;
 }
 
 void SurgerySession::match_forces()

@@ -84,7 +84,7 @@ public:
     /// Starts without a journal, whatever setup.journal says. The constructor is reported as part "cutting session".
     /// @throws InputError as CutSession
     explicit SurgerySession(SurgerySetup setup, const Job& job = {});
-    /// Starts from a session of the setup's wall that has these cuts.
+    /// Starts from a session of the setup's wall that has these cuts. Those that the approach plans are recognised.
     /// @param cuts one delta per cut, in order.
     /// @pre no stroke is open
     SurgerySession(
@@ -185,6 +185,9 @@ public:
     /// without a lip to hold are left out and named in the message.
     KnifeAnswer take_planned_hooks();
     std::size_t planned_hooks() const { return approach_.hooks.size(); }
+    /// Takes what a new plan of the approach says, instead of SurgerySetup::planned_force.
+    /// @return false: it says the same
+    bool set_planned_force(const PlannedForce& force);
     /// Pulls a hook to a displacement, mm from rest; does nothing when the hook is gone.
     void pull_hook(fem::HookId hook, const Vec3& asked);
     void pull_all_hooks(double mm); ///< pulls each hook away from the other lip

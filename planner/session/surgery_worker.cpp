@@ -106,6 +106,13 @@ struct SurgeryWorker::Runner {
     void operator()(const surgery::PullHook& c) const { live_session.pull_hook(c.hook, c.asked); }
     void operator()(const surgery::PullAllHooks& c) const { live_session.pull_all_hooks(c.mm); }
     void operator()(const surgery::PullHooksByShare& c) const { live_session.pull_hooks_by_share(c.share); }
+    KnifeAnswer operator()(const surgery::SetPlannedForce& c) const
+    {
+        if (!live_session.set_planned_force(c.force))
+            return nothing();
+        worker.change_snapshot([&](SurgerySnapshot& next) { next.planned_force = c.force; });
+        return { true, "The plan is made: forces by hand are matched to it" };
+    }
     void operator()(const surgery::SetYield& c) const { live_session.set_yield(c.force_N); }
     void operator()(const surgery::SetNonlinear& c) const { live_session.set_nonlinear(c.wanted); }
     void operator()(const surgery::TakeOffHook& c) const { live_session.take_off_hook(c.hook); }

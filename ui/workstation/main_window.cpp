@@ -559,6 +559,9 @@ void MainWindow::show_knife()
             model_->id(index), [make = backend_.surgery_input, approach = model_->approach(index)](const Job& job) {
                 return make(approach, job);
             });
+        if (const auto& field = model_->state(index).field; field != nullptr)
+            if (const auto force = planned_force(field->metrics))
+                knife_->set_planned_force(model_->id(index), *force);
     } else {
         knife_->leave();
     }

@@ -36,16 +36,19 @@ struct MeshDelta {
         /// is 0.
         double t = 0.0;
         Origin origin = Origin::on_edge;
+        bool operator==(const VertexBorn&) const = default;
     };
     struct VertexMoved {
         VertexId id = 0;
         Vec3 from, to;
+        bool operator==(const VertexMoved&) const = default;
     };
     struct Tet {
         TetId id = 0;
         std::array<VertexId, 4> nodes {};
         Label label = 0;
         TetId origin = 0; ///< element of the session's first mesh that contains this element
+        bool operator==(const Tet&) const = default;
     };
     std::vector<VertexBorn> vertices_born;
     std::vector<VertexMoved> vertices_moved;
@@ -54,6 +57,7 @@ struct MeshDelta {
     /// After undo: the vertices that the operation had added, the last first. After an ablation: vertices that no
     /// element uses any more.
     std::vector<VertexBorn> vertices_gone;
+    bool operator==(const MeshDelta&) const = default;
 };
 
 /// The delta that takes a delta back.

@@ -18,6 +18,7 @@ struct PlannedForce {
     double opening_mm = 0.0; ///< of its arms
     double force_N = 0.0; ///< on each blade
     double bar_N = 0.0; ///< error bar of the force
+    bool operator==(const PlannedForce&) const = default;
 };
 
 /// Begin of the names of the blades that the approach sets.

@@ -1,11 +1,13 @@
 // The planned incision and what is divided beyond the skin, in a session: as cuts that can be undone.
 
 #include "mesh/tetrahedra/tet_grid.h"
+#include "planner/session/saved_cuts.h"
 #include "planner/session/surgery_session.h"
 #include "planner/session/surgery_worker.h"
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <utility>
 
@@ -95,6 +97,28 @@ namespace division_by_hand_test {
         for (const CutEntry& cut : live_session.cuts())
             area += cut.in_force ? cut.report.lip_area_mm2 : 0.0;
         return area;
+    }
+
+    TEST(DivisionByHand, StrokesOfThePlanAreRecognisedWhenTheyAreRestored)
+    {
+        namespace fs = std::filesystem;
+        const fs::path folder = fs::temp_directory_path() / "division_by_hand_test";
+        fs::remove_all(folder);
+        SurgerySetup journalled = setup();
+        journalled.journal = cuts_journal(folder / "case.json", "between");
+        {
+            SurgerySession live_session = new_session(journalled);
+            ASSERT_TRUE(live_session.cut_as_planned().done);
+            live_session.undo(); // the last stroke
+            live_session.redo();
+        }
+        const SurgerySession live_session
+            = restored_session(journalled, read_saved_cuts(journalled.journal, journalled.wall));
+        ASSERT_EQ(live_session.cuts().size(), 3U);
+        EXPECT_TRUE(live_session.cuts()[0].as_planned);
+        EXPECT_EQ(live_session.cuts()[1].divides, StrokeWay::backwards);
+        EXPECT_EQ(live_session.cuts()[2].divides, StrokeWay::forwards);
+        EXPECT_GT(live_session.cuts()[2].report.lip_area_mm2, 0.0);
     }
 
     TEST(DivisionByHand, ThePlannedIncisionIsCutWithAllThatThePlanDivides)

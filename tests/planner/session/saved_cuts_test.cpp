@@ -116,6 +116,45 @@ namespace saved_cuts_test {
         EXPECT_TRUE(same(live_session.session().compact_mesh(), setup().wall));
     }
 
+    /// The setup with a planned incision that stops short of one side, and a stroke beyond its end.
+    SurgerySetup planned(SurgerySetup made, double z)
+    {
+        made.approach.incision = { { 30.0, 0.0, z }, { 70.0, 0.0, z } };
+        made.approach.directions.assign(2, Vec3::UnitY());
+        made.approach.depth_mm = kSlabThicknessMm + 3.0;
+        return made;
+    }
+
+    TEST_F(SavedCutsTest, ThePlannedIncisionIsRecognisedAmongThem)
+    {
+        CutEntry made;
+        {
+            SurgerySession live_session = new_session(planned(setup(), 60.0));
+            ASSERT_TRUE(live_session.cut_as_planned().done);
+            made = live_session.cuts().front();
+            cut(live_session, 91.0);
+            live_session.undo();
+            cut(live_session, 95.0);
+        }
+        const SavedCuts kept = read_saved_cuts(journal(), setup().wall);
+        ASSERT_EQ(kept.deltas.size(), 2U);
+        {
+            const SurgerySession live_session = restored_session(planned(setup(), 60.0), kept);
+            const CutEntry& first = live_session.cuts().at(0);
+            EXPECT_TRUE(first.as_planned);
+            EXPECT_FALSE(first.restored) << "all is known of it";
+            EXPECT_EQ(first.length_mm, made.length_mm);
+            EXPECT_EQ(first.depth_mm, made.depth_mm);
+            EXPECT_EQ(first.report.tets_crossed, made.report.tets_crossed);
+            EXPECT_EQ(first.blade.line.size(), made.blade.line.size());
+            EXPECT_FALSE(live_session.cuts().at(1).as_planned);
+            EXPECT_TRUE(live_session.cuts().at(1).restored);
+        }
+        const SurgerySession moved = restored_session(planned(setup(), 61.0), kept);
+        EXPECT_FALSE(moved.cuts().at(0).as_planned) << "the plan has changed";
+        EXPECT_TRUE(moved.cuts().at(0).restored);
+    }
+
     TEST_F(SavedCutsTest, WhatWasTakenOutIsRestoredAsThat)
     {
         // Sums of some 100 elements' volumes, in another order.

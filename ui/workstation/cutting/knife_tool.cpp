@@ -200,6 +200,7 @@ void KnifeTool::set_up(std::size_t approach, std::function<SurgeryInput(const Jo
         session.snapshot = std::make_shared<const planner::SurgerySnapshot>();
         session.surroundings = std::make_shared<Scene>();
         session.look = std::make_shared<SightWatch::Look>();
+        session.planned_force.reset();
         auto make_setup
             = [prepare = std::move(prepare), surroundings = session.surroundings, look = session.look](const Job& job) {
                   SurgeryInput input = prepare(job);
@@ -217,6 +218,14 @@ void KnifeTool::set_up(std::size_t approach, std::function<SurgeryInput(const Jo
     run(planner::surgery::SetYield { panel_.yield_N() });
     run(planner::surgery::SetNonlinear { panel_.nonlinear() });
     show_picture();
+}
+
+void KnifeTool::set_planned_force(std::size_t approach, const planner::PlannedForce& force)
+{
+    const auto found = sessions_.find(approach);
+    if (found == sessions_.end() || std::exchange(found->second.planned_force, force) == force)
+        return;
+    found->second.worker->run(planner::surgery::SetPlannedForce { force });
 }
 
 void KnifeTool::leave()

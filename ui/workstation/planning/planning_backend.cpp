@@ -97,19 +97,11 @@ namespace {
     }
 
     /// What the saved plan of an approach says of the force of its retractor; nothing: there is no such plan.
-    std::optional<planner::PlannedForce> planned_force(
-        const planner::Patient& patient, const planner::Approach& approach)
+    std::optional<planner::PlannedForce> saved_force(const planner::Patient& patient, const planner::Approach& approach)
     {
         try {
             const auto plan = planner::read_saved_plan(case_with(patient, approach), approach.name);
-            if (!plan || !plan->field.metrics.retractor || !plan->field.metrics.error
-                || !plan->field.metrics.error->message.empty())
-                return std::nullopt;
-            const planner::FieldMetrics& field = plan->field.metrics;
-            return planner::PlannedForce { .retractor = field.retractor->kind,
-                .opening_mm = field.retractor->opening_mm,
-                .force_N = field.hook_force_N,
-                .bar_N = field.error->hook_force_N };
+            return plan ? planned_force(plan->field.metrics) : std::nullopt;
         } catch (const Error&) { // a damaged plan is told of where it is shown
             return std::nullopt;
         }
@@ -158,7 +150,7 @@ namespace {
     {
         planner::check_approach(approach);
         const planner::Case& planned_case = patient.planned_case();
-        std::optional<planner::PlannedForce> force = planned_force(patient, approach);
+        std::optional<planner::PlannedForce> force = saved_force(patient, approach);
         const auto labels = patient.labels();
         if (planner::has_ten_nodes(planned_case.solution.element))
             approach.sizing = fine_enough_to_cut(approach.sizing);
@@ -289,6 +281,16 @@ namespace {
     }
 
 } // namespace
+
+std::optional<planner::PlannedForce> planned_force(const planner::FieldMetrics& field)
+{
+    if (!field.retractor || !field.error || !field.error->message.empty())
+        return std::nullopt;
+    return planner::PlannedForce { .retractor = field.retractor->kind,
+        .opening_mm = field.retractor->opening_mm,
+        .force_N = field.hook_force_N,
+        .bar_N = field.error->hook_force_N };
+}
 
 PlanningBackend make_planning_backend(const planner::Case& planned_case)
 {

@@ -90,6 +90,9 @@ struct PlanningBackend {
     std::function<SurgeryInput(const planner::Approach&, const Job&)> surgery_input;
 };
 
+/// What a plan says of the force of its retractor; nothing: it has none, or its error is not known.
+std::optional<planner::PlannedForce> planned_force(const planner::FieldMetrics& field);
+
 /// The real planner. The backend reads data on first use and keeps them.
 PlanningBackend make_planning_backend(const planner::Case& planned_case);
 

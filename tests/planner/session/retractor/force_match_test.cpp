@@ -152,6 +152,26 @@ namespace force_match_test {
         EXPECT_FALSE(matched.hooks().force_factor) << "a limit is compared with forces as they are computed";
     }
 
+    TEST(ForceMatch, OfASessionFollowsAPlanThatIsMadeLater)
+    {
+        constexpr double kSame = 1e-6; // two solves of one wound
+        PlannedForce plan { .retractor = "small", .opening_mm = kOpeningMm, .force_N = kPlannedN };
+        SurgerySession live_session(planned_slab(std::nullopt));
+        ASSERT_TRUE(live_session.cut_as_planned().done);
+        ASSERT_TRUE(live_session.take_planned_hooks().done);
+        settle(live_session);
+        EXPECT_FALSE(live_session.hooks().force_factor);
+        EXPECT_TRUE(live_session.set_planned_force(plan));
+        EXPECT_NEAR(blade_force_N(live_session), kPlannedN, kSame * kPlannedN);
+        EXPECT_FALSE(live_session.set_planned_force(plan)) << "it says the same";
+        plan.force_N = 2.0 * kPlannedN;
+        EXPECT_TRUE(live_session.set_planned_force(plan));
+        EXPECT_NEAR(blade_force_N(live_session), 2.0 * kPlannedN, kSame * kPlannedN);
+        plan.opening_mm = 2.0 * kOpeningMm;
+        EXPECT_TRUE(live_session.set_planned_force(plan));
+        EXPECT_FALSE(live_session.hooks().force_factor) << "not opened as far as the new plan yet";
+    }
+
     TEST(ForceMatch, OfASessionIsNotMadeInAnotherCut)
     {
         SurgerySession live_session(

@@ -20,6 +20,7 @@ namespace {
     constexpr double kFlattestFilled = 15.0;
     constexpr double kFlatWeight = 0.1;
     constexpr int kMostSweeps = 20;
+    constexpr double kLeastGain = 1e-6; ///< mm^3, far above round-off: sums that only swap do not go on for ever
 
     std::size_t u(std::int64_t i) { return static_cast<std::size_t>(i); }
 
@@ -43,20 +44,78 @@ namespace {
 
         void run()
         {
+            do
+                improve_cells();
+            while (improve_pairs());
+        }
+
+    private:
+        void improve_cells()
+        {
             for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
                 bool changed = false;
                 for (std::size_t c = 0; c < cells_.tets.size(); ++c)
-                    if (near_interface(c)) {
-                        if (candidate_[c] < 0)
-                            add(c);
-                        changed |= improve(candidates_[u(candidate_[c])]);
-                    }
+                    if (near_interface(c))
+                        changed |= improve(candidate(c));
                 if (!changed)
                     return;
             }
         }
 
-    private:
+        /// Pits and spikes of two cells, where changing the first of them alone would cost more area than it gains.
+        bool improve_pairs()
+        {
+            bool changed = false;
+            for (std::size_t c = 0; c < cells_.tets.size(); ++c) {
+                if (!near_interface(c) || must_stay(c))
+                    continue;
+                for (const TetId n : cells_.neighbours[c])
+                    if (n >= 0 && cells_.labels[u(n)] == cells_.labels[c] && !must_stay(u(n)))
+                        for (std::size_t i = 0; i < 4; ++i)
+                            if (const int other = beyond(c, i); other != cells_.labels[c])
+                                changed |= change({ c, u(n) }, other);
+            }
+            return changed;
+        }
+
+        /// Gives two cells with the same label another where this lowers the sum.
+        bool change(const std::array<std::size_t, 2>& pair, int label)
+        {
+            if (gain(pair, label) <= kLeastGain)
+                return false;
+            for (const std::size_t cell : pair)
+                cells_.labels[cell] = static_cast<std::uint8_t>(label);
+            return true;
+        }
+
+        bool must_stay(std::size_t c) { return cells_.labels[c] == 0 && candidate(c).flat; }
+
+        /// By how much the sum falls when both cells, which have the same label, get another.
+        double gain(const std::array<std::size_t, 2>& pair, int label)
+        {
+            const int own = cells_.labels[pair[0]];
+            double gained = 0.0;
+            for (const std::size_t c : pair) {
+                const Cell& cell = candidate(c);
+                gained += misfit(cell, own) - misfit(cell, label);
+                for (std::size_t i = 0; i < 4; ++i) {
+                    const TetId n = cells_.neighbours[c][i];
+                    if (n >= 0 && (u(n) == pair[0] || u(n) == pair[1])) // the face between them
+                        continue;
+                    const int other = beyond(c, i);
+                    gained += kAreaLength * cell.areas[i] * ((other != own ? 1.0 : 0.0) - (other != label ? 1.0 : 0.0));
+                }
+            }
+            return gained;
+        }
+
+        Cell& candidate(std::size_t c)
+        {
+            if (candidate_[c] < 0)
+                add(c);
+            return candidates_[u(candidate_[c])];
+        }
+
         Vec3 corner(std::size_t c, std::size_t i) const { return cells_.vertices[u(cells_.tets[c][i])]; }
         int beyond(std::size_t c, std::size_t i) const
         {
@@ -95,11 +154,16 @@ namespace {
             candidates_.push_back(cell);
         }
 
-        double energy(const Cell& cell, int label) const
+        static double misfit(const Cell& cell, int label)
         {
             const auto misfits
                 = std::count_if(cell.samples.begin(), cell.samples.end(), [&](int sample) { return sample != label; });
-            double sum = cell.volume * static_cast<double>(misfits) / static_cast<double>(kCellSamples.size());
+            return cell.volume * static_cast<double>(misfits) / static_cast<double>(kCellSamples.size());
+        }
+
+        double energy(const Cell& cell, int label) const
+        {
+            double sum = misfit(cell, label);
             for (std::size_t i = 0; i < 4; ++i)
                 if (beyond(cell.number, i) != label)
                     sum += kAreaLength * cell.areas[i];

@@ -26,8 +26,9 @@ struct LabelledCells {
     std::vector<std::uint8_t> labels; ///< label number per cell, as LabelField::at
 };
 
-/// Changes the labels of single cells while a change lowers the sum of misfit volume and interface area. Misfit volume
-/// is the volume of parts of cells where the field has another label; the area is multiplied by a small length.
+/// Changes the labels of single cells, and of two neighbours together, while a change lowers the sum of misfit volume
+/// and interface area. Misfit volume is the volume of parts of cells where the field has another label; the area is
+/// multiplied by a small length.
 void fit_labels(LabelledCells& cells, const LabelField& field);
 
 } // namespace retractor::mesh

@@ -803,6 +803,7 @@ std::string tension_text(const FieldMetrics& field)
 std::string contact_text(const FieldMetrics& field)
 {
     RETRACTOR_ASSERT(field.contact);
+    constexpr double kWorthSayingMm = 1.0;
     const ContactMetrics& contact = *field.contact;
     std::string text = "contact: nothing touches";
     if (!contact.computed && !contact.needed)
@@ -815,6 +816,9 @@ std::string contact_text(const FieldMetrics& field)
                         "was not computed: %s",
                 contact.largest_penetration_mm, contact.at.x(), contact.at.y(), contact.at.z(),
                 contact.message.c_str());
+    else if (!contact.computed && !contact.with.empty() && contact.largest_penetration_mm >= kWorthSayingMm)
+        text = formatted("contact: the wall sinks up to %.1f mm into the %s, which gives way",
+            contact.largest_penetration_mm, readable(contact.with).c_str());
     else if (contact.touching != 0)
         text = formatted("contact: %zu points touch, with %.1f N in total and a penetration of at most %.2f mm",
             contact.touching, contact.force_N, contact.largest_penetration_mm);

@@ -6,6 +6,7 @@
 #include "mesh/base/text_format.h"
 #include "mesh/base/time_limit.h"
 #include "mesh/base/triangle.h"
+#include "mesh/image/skeleton.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +19,9 @@ namespace {
 
     /// Search distance of the test, mm. A point is followed behind a face down to this depth.
     constexpr double kTestReachMm = 12.0;
+
+    /// Lungs, and cavities without an organ: air gives way, and a lung is ten times softer than fat.
+    bool is_full_of_air(const mesh::LabelInfo& label) { return label.material == "lung"; }
 
     /// The surface without triangles that have no area, which contact refuses.
     TriMesh with_areas(const TriMesh& surface)
@@ -40,9 +44,9 @@ namespace {
             .overlap_at_rest_mm = opening.contact_overlap_mm };
     }
 
-    ContactMetrics of_test(const Penetration& found)
+    ContactMetrics of_test(const Penetration& found, bool needed)
     {
-        ContactMetrics metrics { .needed = found.depth_mm > kPenetrationToleranceMm, .computed = false };
+        ContactMetrics metrics { .needed = needed, .computed = false };
         metrics.largest_penetration_mm = found.depth_mm;
         metrics.at = found.at;
         metrics.with = found.with;
@@ -62,6 +66,38 @@ namespace {
         return problem.mesh.nodes_per_tet == 10 ? fem::without_midpoints(problem) : problem;
     }
 
+    bool is_soft(const ContactSurfaces& surfaces, const std::string& name)
+    {
+        const auto found = std::ranges::find(surfaces.names, name) - surfaces.names.begin();
+        return !surfaces.is_soft.empty() && found < std::ssize(surfaces.names)
+            && surfaces.is_soft[static_cast<std::size_t>(found)] != 0;
+    }
+
+    ContactSurfaces rigid_ones(const ContactSurfaces& surfaces)
+    {
+        ContactSurfaces rigid = surfaces;
+        rigid.options.fixed.clear();
+        rigid.names.clear();
+        rigid.is_soft.clear();
+        for (std::size_t i = 0; i < surfaces.names.size(); ++i)
+            if (!is_soft(surfaces, surfaces.names[i])) {
+                rigid.options.fixed.push_back(surfaces.options.fixed[i]);
+                rigid.names.push_back(surfaces.names[i]);
+            }
+        return rigid;
+    }
+
+    /// @param deepest of all surfaces
+    bool needs_contact(const Penetration& deepest, const fem::ElasticProblem& corners, const ContactSurfaces& surfaces,
+        const Points& moved)
+    {
+        if (deepest.depth_mm <= surfaces.tolerance_mm || !is_soft(surfaces, deepest.with))
+            return deepest.depth_mm > surfaces.tolerance_mm;
+        // What gives way may hide a smaller depth of what does not.
+        return deepest.depth_mm > kGivesWayMm
+            || find_penetration(corners, rigid_ones(surfaces), moved).depth_mm > surfaces.tolerance_mm;
+    }
+
     /// Tests a solution without contact.
     /// @param corners the problem with four-node elements
     ContactMetrics test_of(
@@ -73,7 +109,8 @@ namespace {
             Points moved = Points::Zero(corners.mesh.vertices.rows(), 3); // nodes without elements stay
             const Eigen::Index rows = std::min(moved.rows(), opening.displacement.rows());
             moved.topRows(rows) = opening.displacement.topRows(rows);
-            return of_test(find_penetration(corners, surfaces, moved));
+            const Penetration found = find_penetration(corners, surfaces, moved);
+            return of_test(found, needs_contact(found, corners, surfaces, moved));
         } catch (const Error& error) { // the wound itself is solved
             return not_tested(error.what());
         }
@@ -178,10 +215,12 @@ namespace {
 ContactSurfaces contact_surfaces(const mesh::LabelTable& table, const Approach& approach, Patient& patient)
 {
     ContactSurfaces surfaces;
+    surfaces.tolerance_mm = std::max(kPenetrationToleranceMm, 0.5 * patient.labels()->grid.spacing.maxCoeff());
     for (const mesh::LabelInfo& info : table)
-        if (stays_in_place(info, approach, patient)) {
+        if (!is_full_of_air(info) && stays_in_place(info, approach, patient)) {
             surfaces.options.fixed.push_back(with_areas(*patient.organ(info.name)));
             surfaces.names.push_back(info.name);
+            surfaces.is_soft.push_back(mesh::is_skeleton(info) ? 0 : 1);
         }
     return surfaces;
 }

@@ -2,12 +2,13 @@
 // Opens a wound with contact where its surfaces would pass through each other, and without contact elsewhere.
 //
 // The wound is first solved without contact: by four-node elements where ten-node elements begin with them. Where
-// surfaces then pass through each other by more than kPenetrationToleranceMm, the wound is solved again with contact.
-// The solution begins at the solution without contact: the pairs are followed from rest to there, since contact that
-// begins with a point deep behind a face takes the point to have been inside all along. Where this finds no
-// equilibrium, where only four-node elements were solved of ten-node elements, or where hooks hold nodes of the surface
-// (these may collide on their way), it begins at rest. The solution by ten-node elements is tested as well. Where
-// contact finds no equilibrium in its time, the solution without contact is kept, and the deepest place is reported.
+// surfaces then pass through each other by more than they are known, the wound is solved again with contact. Soft
+// organs give way: only where the wall passes deeper than kGivesWayMm into one, the organ is taken to be rigid. The
+// solution begins at the solution without contact: the pairs are followed from rest to there, since contact that begins
+// with a point deep behind a face takes the point to have been inside all along. Where this finds no equilibrium, where
+// only four-node elements were solved of ten-node elements, or where hooks hold nodes of the surface (these may collide
+// on their way), it begins at rest. The solution by ten-node elements is tested as well. Where contact finds no
+// equilibrium in its time, the solution without contact is kept, and the deepest place is reported.
 //
 // Error. Penetration is found by the points of both surfaces (fem/model/contact.h). An edge that passes through an edge
 // between the points is not seen. Units mm, N, s; frame patient LPS.
@@ -30,9 +31,14 @@
 namespace retractor::planner {
 
 /// Surfaces that pass through each other by no more than this beyond their overlap at rest do not touch. Contact
-/// changes forces and openings by less than their error bars there. Surfaces of organs are known to half a voxel at
-/// best.
+/// changes forces and openings by less than their error bars there. Surfaces from labels are known to half a voxel at
+/// best, which takes the place of a smaller number.
 inline constexpr double kPenetrationToleranceMm = 0.2;
+
+/// So deep the wall may sink into a soft organ. A liver of 5 kPa, pressed in so deep over a circle of 30 mm radius,
+/// bears 2 N (a flat punch: 2 E a d / (1 - nu^2)), less than a tenth of a retractor's force; a rigid one would bear
+/// tens of newtons.
+inline constexpr double kGivesWayMm = 5.0;
 
 /// The time for contact, in times of what was solved without contact before, and at least. Newton's method finds one by
 /// one which points touch, and each set of points takes a solution of its own. Ours: a plan must not wait long for
@@ -45,9 +51,11 @@ inline constexpr double kTenNodeContactTimes = 8.0, kLeastTenNodeContactS = 120.
 struct ContactSurfaces {
     fem::ContactOptions options;
     std::vector<std::string> names; ///< label of each surface of options.fixed
+    std::vector<char> is_soft {}; ///< of each surface; empty: all are rigid
+    double tolerance_mm = kPenetrationToleranceMm; ///< to which the surfaces are known
 };
 
-/// The surfaces of the labels that are no wall and that the approach does not hold aside.
+/// The surfaces of the labels that are no wall, are not full of air, and that the approach does not hold aside.
 /// @throws as Patient::organ()
 ContactSurfaces contact_surfaces(const mesh::LabelTable& table, const Approach& approach, Patient& patient);
 

@@ -186,6 +186,38 @@ namespace contact_where_needed_test {
         }
     }
 
+    TEST(ContactWhereNeeded, ASoftOrganGivesWayButNotForEver)
+    {
+        const PlannedField field = field_of(pushed_plate(8.0, 3.0));
+        const ContactOpening without = opened(field, ContactMode::never);
+        ASSERT_TRUE(is_usable(without.opened.opening)) << without.opened.opening.message;
+        double bottom = 0.0;
+        for (Eigen::Index v = 0; v < field.wall.vertices.rows(); ++v)
+            if (field.wall.vertices(v, 2) == 0.0)
+                bottom = std::max(bottom, -without.opened.opening.displacement(v, 2));
+        ASSERT_GT(bottom, kGivesWayMm + 0.2);
+        const auto soft_heart = [&](double depth_mm) {
+            ContactSurfaces heart = heart_at(-(bottom - depth_mm));
+            heart.is_soft = { 1 };
+            return heart;
+        };
+        const ContactOpening shallow = opened(field, ContactMode::automatic, soft_heart(kGivesWayMm - 0.1)),
+                             deep = opened(field, ContactMode::automatic, soft_heart(kGivesWayMm + 0.1));
+        EXPECT_EQ(shallow.contact->needed, false);
+        EXPECT_EQ(shallow.contact->with, "heart");
+        EXPECT_NEAR(shallow.contact->largest_penetration_mm, kGivesWayMm - 0.1, 1e-9);
+        EXPECT_EQ(shallow.opened.opening.displacement, without.opened.opening.displacement);
+        EXPECT_EQ(deep.contact->needed, true);
+        // A bone that the wall passes through less deeply is not hidden by the heart.
+        ContactSurfaces both = soft_heart(kGivesWayMm - 0.1);
+        both.options.fixed.push_back(floor_at(-(bottom - 1.0)));
+        both.names.push_back("vertebra");
+        both.is_soft.push_back(0);
+        EXPECT_EQ(opened(field, ContactMode::automatic, both).contact->needed, true);
+        both.tolerance_mm = 1.5;
+        EXPECT_EQ(opened(field, ContactMode::automatic, both).contact->needed, false) << "known no better";
+    }
+
     /// With contact the plate begins where the blade has pressed it through the organ.
     TEST(ContactWhereNeeded, AWallUnderABladeIsHeldOffAnOrganAsFromRest)
     {

@@ -253,6 +253,10 @@ namespace report_test {
         EXPECT_EQ(contact_text(field), "contact: nothing touches");
         EXPECT_FALSE(passes_through(field));
         EXPECT_EQ(metrics_document({ field }).at("approaches").at(0).at("contact").at("needed"), false);
+        field.contact->largest_penetration_mm = 3.64;
+        field.contact->with = "upper_abdomen";
+        EXPECT_EQ(contact_text(field), "contact: the wall sinks up to 3.6 mm into the upper abdomen, which gives way");
+        EXPECT_FALSE(passes_through(field));
         field.contact = ContactMetrics { .needed = true,
             .computed = false,
             .largest_penetration_mm = 3.24,

@@ -5647,5 +5647,233 @@
         <source>the free frame found no balance: a hand or an arm at the table holds its direction with %1, and %2 of its blade forces are not balanced</source>
         <translation>自由な枠は釣り合わず、手または手術台のアームが %1 でその向きを支えます。ブレードの力のうち %2 が釣り合っていません</translation>
     </message>
+    <message>
+        <source>contact: the wall sinks up to %1 mm into the %2, which gives way</source>
+        <translation>接触：胸壁は%2に最大 %1 mm 沈み込みます（柔らかく、押されて退きます）</translation>
+    </message>
+    <message>
+        <source>The plan is made: forces by hand are matched to it</source>
+        <translation>計画ができました。手動での力を計画に合わせます</translation>
+    </message>
+    <message>
+        <source>vena cava</source>
+        <translation>大静脈</translation>
+    </message>
+    <message>
+        <source>intercostal</source>
+        <translation>肋間筋</translation>
+    </message>
+    <message>
+        <source>rib</source>
+        <translation>肋骨</translation>
+    </message>
+    <message>
+        <source>bone</source>
+        <translation>骨</translation>
+    </message>
+    <message>
+        <source>mediastinum</source>
+        <translation>縦隔</translation>
+    </message>
+    <message>
+        <source>upper abdomen</source>
+        <translation>上腹部</translation>
+    </message>
+    <message>
+        <source>retractor %1 opens %2 mm with %3 N along its rack</source>
+        <translation>開創器 %1 はラックに沿う %3 N で %2 mm 開きます</translation>
+    </message>
+    <message>
+        <source>%1, left blade: %2, %3, right blade: %4</source>
+        <translation>%1：左ブレード %2；右ブレード %4</translation>
+    </message>
+    <message>
+        <source>left blade: %1</source>
+        <translation>左ブレード：%1</translation>
+    </message>
+    <message>
+        <source>right blade: %1</source>
+        <translation>右ブレード：%1</translation>
+    </message>
+    <message>
+        <source>%1 N and %2 N m, turned %3, the lip follows within %4 mm, pressure %5 kPa on average and %6 kPa at most (%7), %8 on its first, middle and last third along the incision</source>
+        <translation>%1 N、%2 N m、回転 %3、創縁とのずれ %4 mm 以内、圧力は平均 %5 kPa、最大 %6 kPa（%7）、切開に沿う前・中・後の三分の一に %8</translation>
+    </message>
+    <message>
+        <source>%1 N and %2 N m, turned %3, the lip follows within %4 mm</source>
+        <translation>%1 N、%2 N m、回転 %3、創縁とのずれ %4 mm 以内</translation>
+    </message>
+    <message>
+        <source>%1, %2 and %3 N</source>
+        <translation>%1、%2、%3 N</translation>
+    </message>
+    <message>
+        <source>%1 degrees (the end of its play)</source>
+        <translation>%1 度（遊びの限界）</translation>
+    </message>
+    <message>
+        <source>%1 degrees</source>
+        <translation>%1 度</translation>
+    </message>
+    <message>
+        <source>deep</source>
+        <translation>深部</translation>
+    </message>
+    <message>
+        <source>start</source>
+        <translation>始点</translation>
+    </message>
+    <message>
+        <source>end</source>
+        <translation>終点</translation>
+    </message>
+    <message>
+        <source>the frame has tilted by %1, and %2 N of its blade forces are not balanced</source>
+        <translation>枠は %1 傾き、ブレードの力のうち %2 N が釣り合っていません</translation>
+    </message>
+    <message>
+        <source>the left lip lies up to %1 mm (mean %2 mm) off the line of its %3, most %4 mm along the incision</source>
+        <translation>左の創縁は%3の線から最大 %1 mm（平均 %2 mm）離れ、最も離れるのは切開に沿って %4 mm の所です</translation>
+    </message>
+    <message>
+        <source>the right lip lies up to %1 mm (mean %2 mm) off the line of its %3, most %4 mm along the incision</source>
+        <translation>右の創縁は%3の線から最大 %1 mm（平均 %2 mm）離れ、最も離れるのは切開に沿って %4 mm の所です</translation>
+    </message>
+    <message>
+        <source>the right lip lies up to %1 mm (mean %2 mm) off the line of its %3, most %4 mm along the incision.</source>
+        <translation>右の創縁は%3の線から最大 %1 mm（平均 %2 mm）離れ、最も離れるのは切開に沿って %4 mm の所です。</translation>
+    </message>
+    <message>
+        <source>blade</source>
+        <translation>ブレード</translation>
+    </message>
+    <message>
+        <source>hooks</source>
+        <translation>鉤</translation>
+    </message>
+    <message>
+        <source>The shaded part of the plot is the part that these numbers cover.</source>
+        <translation>図の陰影部分が、これらの数値の対象です。</translation>
+    </message>
+    <message>
+        <source>largest strain, averaged over balls of %1 mm radius: %2</source>
+        <translation>半径 %1 mm の球で平均した最大ひずみ：%2</translation>
+    </message>
+    <message>
+        <source>%1 %2 % %3 mm along the incision, %4 mm beside it and %5 mm deep</source>
+        <translation>%1 %2 %（切開に沿って %3 mm、横に %4 mm、深さ %5 mm）</translation>
+    </message>
+    <message>
+        <source>%1 %2 % %3 mm before the start of the incision, %4 mm beside it and %5 mm deep</source>
+        <translation>%1 %2 %（切開の始点の手前 %3 mm、横に %4 mm、深さ %5 mm）</translation>
+    </message>
+    <message>
+        <source>%1 %2 % %3 mm beyond the end of the incision, %4 mm beside it and %5 mm deep</source>
+        <translation>%1 %2 %（切開の終点の先 %3 mm、横に %4 mm、深さ %5 mm）</translation>
+    </message>
+    <message>
+        <source>%1 % %2 mm along the incision, %3 mm beside it and %4 mm deep</source>
+        <translation>%1 %（切開に沿って %2 mm、横に %3 mm、深さ %4 mm）</translation>
+    </message>
+    <message>
+        <source>%1 % %2 mm before the start of the incision, %3 mm beside it and %4 mm deep</source>
+        <translation>%1 %（切開の始点の手前 %2 mm、横に %3 mm、深さ %4 mm）</translation>
+    </message>
+    <message>
+        <source>%1 % %2 mm beyond the end of the incision, %3 mm beside it and %4 mm deep</source>
+        <translation>%1 %（切開の終点の先 %2 mm、横に %3 mm、深さ %4 mm）</translation>
+    </message>
+    <message>
+        <source>skin may tear: %1, torn samples failed between %2 and %3 %</source>
+        <translation>皮膚は裂けることがあります：%1。引き裂いた試料は %2～%3 % で破断しました</translation>
+    </message>
+    <message>
+        <source>skin would tear: %1, torn samples failed between %2 and %3 %</source>
+        <translation>皮膚は裂けます：%1。引き裂いた試料は %2～%3 % で破断しました</translation>
+    </message>
+    <message>
+        <source>skin may tear: %1, torn samples failed between %2 and %3 %.</source>
+        <translation>皮膚は裂けることがあります：%1。引き裂いた試料は %2～%3 % で破断しました。</translation>
+    </message>
+    <message>
+        <source>skin would tear: %1, torn samples failed between %2 and %3 %.</source>
+        <translation>皮膚は裂けます：%1。引き裂いた試料は %2～%3 % で破断しました。</translation>
+    </message>
+    <message>
+        <source>Force %1 N</source>
+        <translation>力 %1 N</translation>
+    </message>
+    <message>
+        <source>mesh: +- %1 N</source>
+        <translation>格子：± %1 N</translation>
+    </message>
+    <message>
+        <source>tissue values: %1 to %2 N</source>
+        <translation>組織の値：%1～%2 N</translation>
+    </message>
+    <message>
+        <source>decided by %1</source>
+        <translation>主に決めるもの：%1</translation>
+    </message>
+    <message>
+        <source>decided by %1: one standard deviation.</source>
+        <translation>主に決めるもの：%1（標準偏差ひとつ分）。</translation>
+    </message>
+    <message>
+        <source>tissue values: force %1 to %2 N, opening %3 to %4 mm</source>
+        <translation>組織の値：力 %1～%2 N、開口 %3～%4 mm</translation>
+    </message>
+    <message>
+        <source>%1 (times %2: little is seen)</source>
+        <translation>%1（× %2：わずかしか見えません）</translation>
+    </message>
+    <message>
+        <source>A plus is better and a minus is worse than as planned, by more than both errors together.</source>
+        <translation>プラスは計画より良く、マイナスは悪いことを示します（両方の誤差を合わせた以上の差）。</translation>
+    </message>
+    <message>
+        <source>In the window B adds these approaches, and Shift+P plans them.</source>
+        <translation>ウィンドウでは B でこれらのアプローチを追加し、Shift+P で計画します。</translation>
+    </message>
+    <message>
+        <source>%1: one space higher: %2; one space lower: %3; 20 mm forwards: %4; 20 mm backwards: %5.</source>
+        <translation>%1：一肋間上：%2、一肋間下：%3、前へ 20 mm：%4、後ろへ 20 mm：%5。</translation>
+    </message>
+    <message>
+        <source>not planned</source>
+        <translation>未計画</translation>
+    </message>
+    <message>
+        <source>the space leaves room for %1 mm only</source>
+        <translation>肋間の余地は %1 mm だけです</translation>
+    </message>
+    <message>
+        <source>It is centred where the space comes nearest to the target (%1 mm), as far as the shoulder blade, the back muscles and the ribs' ends allow.</source>
+        <translation>肩甲骨、背筋、肋骨端が許す限り、肋間が標的に最も近づく所（%1 mm）を中心とします。</translation>
+    </message>
+    <message>
+        <source>The target's centre lies %1 mm from the nearest point of the incision.</source>
+        <translation>標的の中心は切開の最も近い点から %1 mm にあります。</translation>
+    </message>
+    <message>
+        <source>Tissue without a label is not drawn and hides nothing.</source>
+        <translation>ラベルのない組織は描かれず、何も隠しません。</translation>
+    </message>
+    <message>
+        <source>soft tissue only</source>
+        <translation>軟部組織のみ</translation>
+    </message>
+    <message>
+        <source>left_blade: %1, right_blade: %2</source>
+        <translation>左ブレード：%1、右ブレード：%2</translation>
+    </message>
+    <message>
+        <source>left blade to %1</source>
+        <translation>左ブレードと%1</translation>
+    </message>
+    <message>
+        <source>right blade to %1</source>
+        <translation>右ブレードと%1</translation>
+    </message>
 </context>
 </TS>

@@ -17,8 +17,10 @@ namespace {
     const QRegularExpression kWord("\\b[A-Za-z]{2,}"); // count() also counts matches that overlap
     /// A number, a name or a file stands in an open place; more words are a sentence that no phrase knows.
     constexpr int kMostWordsInAPlace = 6;
+    constexpr int kMostWordsOfAName = 5; ///< in a list
 
-    /// The phrase as a pattern; nothing in an open place ends a sentence, so that a phrase does not swallow the next.
+    /// The phrase as a pattern; nothing in an open place ends a sentence or clause, so that a phrase does not swallow
+    /// the next.
     OpenPhrase open_phrase(const QString& english, const QString& translation)
     {
         OpenPhrase phrase { .english = {}, .places = {}, .translation = translation, .source = english };
@@ -27,7 +29,7 @@ namespace {
         for (auto found = kPlace.globalMatch(english); found.hasNext();) {
             const QRegularExpressionMatch place = found.next();
             pattern += QRegularExpression::escape(english.mid(end, place.capturedStart() - end));
-            pattern += "((?:(?!\\. ).)+?)";
+            pattern += "((?:(?![.;] ).)+?)";
             phrase.places.push_back(place.captured(1).toInt());
             end = place.capturedEnd();
         }
@@ -69,6 +71,44 @@ namespace {
         return said.join(between).replace("。 ", "。"); // in Japanese no space follows a sentence
     }
 
+    /// A list of names, each with a number or not: "heart 16.7 mm, aorta 18.7 mm".
+    /// @returns nothing where one of them is not known
+    std::optional<QString> translated_list(const Phrasebook& book, const QString& english)
+    {
+        static const QRegularExpression number(" -?[0-9.]+ (?:mm|%)$");
+        QStringList said;
+        if (english.contains("; ") || english.contains(". "))
+            return std::nullopt;
+        for (QString part : english.split(", ")) {
+            const QRegularExpressionMatch match = number.match(part);
+            const QString behind = match.captured();
+            part = part.left(part.size() - behind.size()).replace('_', ' ');
+            const bool may_be_a_name = part != english && part.count(kWord) <= kMostWordsOfAName && !part.contains('%');
+            const QString name = may_be_a_name ? translated(book, part) : part;
+            if (name == part)
+                return std::nullopt;
+            said += name + behind;
+        }
+        return said.join(QString::fromUtf8("\u3001"));
+    }
+
+    /// A sentence of several clauses: "opened by half a turn; held for 5 minutes." @returns nothing where none is known
+    std::optional<QString> translated_clauses(const Phrasebook& book, QString english)
+    {
+        if (!english.contains("; "))
+            return std::nullopt;
+        const bool ends = english.endsWith('.');
+        if (ends)
+            english.chop(1);
+        const QStringList clauses = english.split("; ");
+        QStringList said;
+        for (const QString& clause : clauses)
+            said += translated(book, clause);
+        if (said == clauses)
+            return std::nullopt;
+        return said.join(QString::fromUtf8("\uff1b")) + (ends ? QString::fromUtf8("\u3002") : QString());
+    }
+
 } // namespace
 
 Phrasebook read_phrasebook(QIODevice& file)
@@ -107,6 +147,8 @@ QString translated(const Phrasebook& book, const QString& english)
         return english;
     if (english.contains('\n'))
         return joined_parts(book, english.split('\n'), "\n");
+    if (const auto list = translated_list(book, english)) // before a phrase takes two names for one
+        return *list;
     for (const OpenPhrase& phrase : book.open_phrases)
         if (const auto text = filled(book, phrase, english))
             return *text;
@@ -117,7 +159,7 @@ QString translated(const Phrasebook& book, const QString& english)
         begin = end + 2;
     }
     if (sentences.isEmpty())
-        return english;
+        return translated_clauses(book, english).value_or(english);
     sentences += english.mid(begin);
     return joined_parts(book, sentences, " ");
 }

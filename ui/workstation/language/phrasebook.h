@@ -31,7 +31,8 @@ struct Phrasebook {
 Phrasebook read_phrasebook(QIODevice& file);
 
 /// The text in the language of the book: the phrase, else line by line a phrase with open places (what stands in them
-/// is translated too), else sentence by sentence. @returns what the book does not know unchanged
+/// is translated too), else sentence by sentence, clause by clause, or name by name of a list.
+/// @returns what the book does not know unchanged
 QString translated(const Phrasebook& book, const QString& english);
 
 } // namespace retractor::ui

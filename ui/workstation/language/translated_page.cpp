@@ -3,14 +3,10 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 
-#include <QRegularExpression>
-#include <QStringList>
-
 #include <algorithm>
 #include <array>
 #include <fstream>
 #include <iterator>
-#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -22,32 +18,11 @@ namespace {
         { "&quot;", "\"" }, { "&#39;", "'" }, { "&plusmn;", "\u00b1" }, { "&#177;", "\u00b1" }, { "&minus;", "\u2212" },
         { "&amp;", "&" } } }; // & last: it begins the others
 
-    /// A list of names, each with a number or not, as the tables of a page have it: "heart 16.7 mm, aorta 18.7 mm".
-    /// @returns nothing where one of them is not known
-    std::optional<QString> translated_list(const Phrasebook& book, const QString& english)
-    {
-        static const QRegularExpression number(" -?[0-9.]+ (?:mm|%)$");
-        QStringList said;
-        for (QString part : english.split(", ")) {
-            const QRegularExpressionMatch match = number.match(part);
-            const QString behind = match.captured();
-            part = part.left(part.size() - behind.size()).replace('_', ' ');
-            const QString name = translated(book, part);
-            if (name == part)
-                return std::nullopt;
-            said += name + behind;
-        }
-        return said.join(QString::fromUtf8("\u3001"));
-    }
-
     QString translated_words(const Phrasebook& book, const QString& english)
     {
         const QString begin = english.startsWith(": ") ? ": " : ""; // behind a name in bold letters
         const QString text = english.mid(begin.size());
-        QString said = translated(book, text);
-        if (said == text)
-            said = translated_list(book, text).value_or(text);
-        return begin + said;
+        return begin + translated(book, text);
     }
 
     QString translated_text(const Phrasebook& book, std::string_view text)

@@ -81,6 +81,26 @@ namespace language_test {
         EXPECT_EQ(translated_page(book, "<td>heart, spleen</td>", "de"), "<td>heart, spleen</td>");
     }
 
+    TEST(Phrasebook, TranslatesClauseByClause)
+    {
+        const Phrasebook book = book_of({ { "opens %1 mm", "weitet %1 mm" }, { "%1 blade", "%1 Blatt" },
+            { "left", "linkes" }, { "the left blade lies %1 mm off", "linkes Blatt %1 mm daneben" } });
+        EXPECT_EQ(translated(book, "opens 3 mm; left blade"), "weitet 3 mm\uff1blinkes Blatt");
+        EXPECT_EQ(translated(book, "opens 3 mm; left blade."), "weitet 3 mm\uff1blinkes Blatt\u3002");
+        EXPECT_EQ(translated(book, "opens 3 mm; unknown"), "weitet 3 mm\uff1bunknown");
+        EXPECT_EQ(translated(book, "one; two"), "one; two");
+        EXPECT_EQ(
+            translated(book, "the left blade lies 2 mm off; opens 3 mm"), "linkes Blatt 2 mm daneben\uff1bweitet 3 mm")
+            << "a place holds no two clauses";
+    }
+
+    TEST(Phrasebook, AListIsNoPlaceOfAPhraseForOneName)
+    {
+        const Phrasebook book = book_of({ { "rib left %1", "linke Rippe %1" }, { "heart", "Herz" } });
+        EXPECT_EQ(translated(book, "rib left 4, rib left 5"), "linke Rippe 4\u3001linke Rippe 5");
+        EXPECT_EQ(translated(book, "heart 2.5 mm, rib left 5 3 mm"), "Herz 2.5 mm\u3001linke Rippe 5 3 mm");
+    }
+
     TEST(JapaneseReport, IsKnownInItsSentences)
     {
         QFile file(":/language/ja.ts");
@@ -94,6 +114,19 @@ namespace language_test {
             EXPECT_FALSE(translated(book, english).contains(QRegularExpression("[A-Za-z]{4}"))
                 && translated(book, english) == english)
                 << english;
+        for (const char* english :
+            { "left blade: 70.6 N and 2.03 N m, turned -3.0 degrees (the end of its play), the lip "
+              "follows within 5.8 mm, pressure 152 kPa on average and 356 kPa at most (start), 37, "
+              "14 and 20 N on its first, middle and last third along the incision; the frame has "
+              "tilted by 1.4 degrees, and 1.3 N of its blade forces are not balanced",
+                "the left lip lies up to 5.8 mm (mean 3.6 mm) off the line of its blade, most 102 mm along the "
+                "incision; the right lip lies up to 7.8 mm (mean 4.8 mm) off the line of its hooks, most 9 mm along "
+                "the incision",
+                "largest strain, averaged over balls of 5 mm radius: muscle 77 % 206 mm along the incision, 1 mm "
+                "beside "
+                "it and 15 mm deep; skin 51 % 2 mm before the start of the incision, 0 mm beside it and 3 mm deep",
+                "contact: the wall sinks up to 3.6 mm into the heart, which gives way" })
+            EXPECT_FALSE(translated(book, english).contains(QRegularExpression("[A-Za-z]{4}"))) << english;
     }
 
     TEST(Phrasebook, APageThatCannotBeReadIsNamed)

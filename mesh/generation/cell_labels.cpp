@@ -44,9 +44,10 @@ namespace {
 
         void run()
         {
+            int rounds = 0;
             do
                 improve_cells();
-            while (improve_pairs());
+            while (improve_pairs() && ++rounds < kMostSweeps);
         }
 
     private:
@@ -67,10 +68,10 @@ namespace {
         {
             bool changed = false;
             for (std::size_t c = 0; c < cells_.tets.size(); ++c) {
-                if (!near_interface(c) || must_stay(c))
+                if (!near_interface(c))
                     continue;
                 for (const TetId n : cells_.neighbours[c])
-                    if (n >= 0 && cells_.labels[u(n)] == cells_.labels[c] && !must_stay(u(n)))
+                    if (n >= 0)
                         for (std::size_t i = 0; i < 4; ++i)
                             if (const int other = beyond(c, i); other != cells_.labels[c])
                                 changed |= change({ c, u(n) }, other);
@@ -78,10 +79,11 @@ namespace {
             return changed;
         }
 
-        /// Gives two cells with the same label another where this lowers the sum.
+        /// Gives two cells another label where they have the same and this lowers the sum.
         bool change(const std::array<std::size_t, 2>& pair, int label)
         {
-            if (gain(pair, label) <= kLeastGain)
+            if (cells_.labels[pair[0]] != cells_.labels[pair[1]] || must_stay(pair[0]) || must_stay(pair[1])
+                || gain(pair, label) <= kLeastGain)
                 return false;
             for (const std::size_t cell : pair)
                 cells_.labels[cell] = static_cast<std::uint8_t>(label);

@@ -803,7 +803,6 @@ std::string tension_text(const FieldMetrics& field)
 std::string contact_text(const FieldMetrics& field)
 {
     RETRACTOR_ASSERT(field.contact);
-    constexpr double kWorthSayingMm = 1.0;
     const ContactMetrics& contact = *field.contact;
     std::string text = "contact: nothing touches";
     if (!contact.computed && !contact.needed)
@@ -816,7 +815,7 @@ std::string contact_text(const FieldMetrics& field)
                         "was not computed: %s",
                 contact.largest_penetration_mm, contact.at.x(), contact.at.y(), contact.at.z(),
                 contact.message.c_str());
-    else if (!contact.computed && !contact.with.empty() && contact.largest_penetration_mm >= kWorthSayingMm)
+    else if (sinks_in(contact))
         text = formatted("contact: the wall sinks up to %.1f mm into the %s, which gives way",
             contact.largest_penetration_mm, readable(contact.with).c_str());
     else if (contact.touching != 0)
@@ -826,6 +825,13 @@ std::string contact_text(const FieldMetrics& field)
         text += formatted(
             "; surfaces that overlap by up to %.2f mm at rest keep this overlap", contact.overlap_at_rest_mm);
     return text;
+}
+
+bool sinks_in(const ContactMetrics& contact)
+{
+    constexpr double kWorthSayingMm = 1.0;
+    return !contact.computed && !contact.needed.value_or(true) && !contact.with.empty()
+        && contact.largest_penetration_mm >= kWorthSayingMm;
 }
 
 bool passes_through(const FieldMetrics& field)

@@ -47,6 +47,8 @@ std::string tension_text(const FieldMetrics& field);
 /// One line for people: number, force and penetration of the points in contact, or where surfaces pass through each
 /// other. @pre field.contact
 std::string contact_text(const FieldMetrics& field);
+/// Whether the wall sinks visibly into an organ that gives way.
+bool sinks_in(const ContactMetrics& contact);
 /// Whether surfaces pass through each other and contact was not computed: the numbers near them are wrong.
 bool passes_through(const FieldMetrics& field);
 

@@ -6,7 +6,6 @@
 #include "mesh/base/text_format.h"
 #include "mesh/base/time_limit.h"
 #include "mesh/base/triangle.h"
-#include "mesh/image/skeleton.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +19,7 @@ namespace {
     /// Search distance of the test, mm. A point is followed behind a face down to this depth.
     constexpr double kTestReachMm = 12.0;
 
-    /// Lungs, and cavities without an organ: air gives way, and a lung is ten times softer than fat.
+    /// Lungs, and cavities without an organ: a lung collapses, and air gives way.
     bool is_full_of_air(const mesh::LabelInfo& label) { return label.material == "lung"; }
 
     /// The surface without triangles that have no area, which contact refuses.
@@ -66,53 +65,52 @@ namespace {
         return problem.mesh.nodes_per_tet == 10 ? fem::without_midpoints(problem) : problem;
     }
 
-    bool is_soft(const ContactSurfaces& surfaces, const std::string& name)
+    std::optional<std::size_t> that_gives_way(const ContactSurfaces& surfaces, const Penetration& found)
     {
-        const auto found = std::ranges::find(surfaces.names, name) - surfaces.names.begin();
-        return !surfaces.is_soft.empty() && found < std::ssize(surfaces.names)
-            && surfaces.is_soft[static_cast<std::size_t>(found)] != 0;
+        const auto at
+            = static_cast<std::size_t>(std::ranges::find(surfaces.names, found.with) - surfaces.names.begin());
+        return at < surfaces.gives_way_mm.size() && found.depth_mm > surfaces.tolerance_mm
+                && found.depth_mm <= surfaces.gives_way_mm[at]
+            ? std::optional(at)
+            : std::nullopt;
     }
 
-    ContactSurfaces rigid_ones(const ContactSurfaces& surfaces)
+    void leave_out(ContactSurfaces& surfaces, std::size_t at)
     {
-        ContactSurfaces rigid = surfaces;
-        rigid.options.fixed.clear();
-        rigid.names.clear();
-        rigid.is_soft.clear();
-        for (std::size_t i = 0; i < surfaces.names.size(); ++i)
-            if (!is_soft(surfaces, surfaces.names[i])) {
-                rigid.options.fixed.push_back(surfaces.options.fixed[i]);
-                rigid.names.push_back(surfaces.names[i]);
-            }
-        return rigid;
+        const auto n = static_cast<std::ptrdiff_t>(at);
+        surfaces.options.fixed.erase(surfaces.options.fixed.begin() + n);
+        surfaces.names.erase(surfaces.names.begin() + n);
+        surfaces.gives_way_mm.erase(surfaces.gives_way_mm.begin() + n);
     }
 
-    /// @param deepest of all surfaces
-    bool needs_contact(const Penetration& deepest, const fem::ElasticProblem& corners, const ContactSurfaces& surfaces,
-        const Points& moved)
-    {
-        if (deepest.depth_mm <= surfaces.tolerance_mm || !is_soft(surfaces, deepest.with))
-            return deepest.depth_mm > surfaces.tolerance_mm;
-        // What gives way may hide a smaller depth of what does not.
-        return deepest.depth_mm > kGivesWayMm
-            || find_penetration(corners, rigid_ones(surfaces), moved).depth_mm > surfaces.tolerance_mm;
-    }
+    struct ContactTest {
+        ContactMetrics metrics;
+        ContactSurfaces pressed; ///< without the organs that give way
+    };
 
     /// Tests a solution without contact.
     /// @param corners the problem with four-node elements
-    ContactMetrics test_of(
+    ContactTest test_of(
         const fem::OpeningResult& opening, const fem::ElasticProblem& corners, const ContactSurfaces& surfaces)
     {
         if (!is_usable(opening))
-            return not_tested("the wound did not open as requested");
+            return { not_tested("the wound did not open as requested"), surfaces };
         try {
             Points moved = Points::Zero(corners.mesh.vertices.rows(), 3); // nodes without elements stay
             const Eigen::Index rows = std::min(moved.rows(), opening.displacement.rows());
             moved.topRows(rows) = opening.displacement.topRows(rows);
-            const Penetration found = find_penetration(corners, surfaces, moved);
-            return of_test(found, needs_contact(found, corners, surfaces, moved));
+            ContactSurfaces pressed = surfaces;
+            const Penetration deepest = find_penetration(corners, surfaces, moved);
+            Penetration found = deepest;
+            // What gives way may hide a smaller depth of what does not.
+            while (const auto organ = that_gives_way(pressed, found)) {
+                leave_out(pressed, *organ);
+                found = find_penetration(corners, pressed, moved);
+            }
+            const bool needed = found.depth_mm > surfaces.tolerance_mm;
+            return { of_test(needed ? found : deepest, needed), std::move(pressed) };
         } catch (const Error& error) { // the wound itself is solved
-            return not_tested(error.what());
+            return { not_tested(error.what()), surfaces };
         }
     }
 
@@ -138,11 +136,11 @@ namespace {
                     return { .opened = std::move(without) };
                 test(without.opening);
                 if (!is_needed())
-                    return { .opened = std::move(without), .contact = std::move(metrics_) };
+                    return { .opened = std::move(without), .contact = std::move(tested_.metrics) };
             }
             std::string failure;
             if (std::optional<OpenedWall> touching = open_touching(without, failure)) {
-                ContactMetrics metrics = of_solution(touching->opening, surfaces_);
+                ContactMetrics metrics = of_solution(touching->opening, tested_.pressed);
                 metrics.needed = true;
                 return { .opened = *std::move(touching), .contact = std::move(metrics) };
             }
@@ -151,12 +149,12 @@ namespace {
                 test(without.opening);
             }
             if (is_needed())
-                metrics_.message = failure;
-            return { .opened = std::move(without), .contact = std::move(metrics_) };
+                tested_.metrics.message = failure;
+            return { .opened = std::move(without), .contact = std::move(tested_.metrics) };
         }
 
     private:
-        bool is_needed() const { return metrics_.needed.value_or(false); }
+        bool is_needed() const { return tested_.metrics.needed.value_or(false); }
 
         StageTest goes_on()
         {
@@ -166,7 +164,7 @@ namespace {
             };
         }
 
-        void test(const fem::OpeningResult& opening) { metrics_ = test_of(opening, corners_, surfaces_); }
+        void test(const fem::OpeningResult& opening) { tested_ = test_of(opening, corners_, surfaces_); }
 
         /// Solves the wound with contact: from the solution without contact, or where this fails, from rest.
         /// @returns nothing, and the reason as `failure`, without an answer
@@ -184,12 +182,12 @@ namespace {
             };
             const Stopwatch watch;
             try {
-                OpenedWall opened = open_(surfaces_.options, &without, goes_on_to_ten_nodes, limit.job());
+                OpenedWall opened = open_(tested_.pressed.options, &without, goes_on_to_ten_nodes, limit.job());
                 // open_wall() itself has begun at rest where hooks hold nodes, and where only four-node elements were
                 // solved.
                 const bool was_at_rest = corners_.blades.size() != corners_.hooks.size() || without.ended_by_test;
                 if (!was_at_rest && !is_usable(opened.opening) && !limit.job().cancelled())
-                    opened = open_(surfaces_.options, nullptr, {}, limit.job());
+                    opened = open_(tested_.pressed.options, nullptr, {}, limit.job());
                 if (is_usable(opened.opening))
                     return opened;
                 failure = "no equilibrium with contact was found: " + opened.opening.message;
@@ -207,20 +205,30 @@ namespace {
         const Job& job_;
         fem::ElasticProblem corners_; ///< with four-node elements
         Stopwatch watch_;
-        ContactMetrics metrics_ = not_tested({});
+        ContactTest tested_ { not_tested({}), {} };
     };
 
 } // namespace
 
+double gives_way_mm(const fem::Material& organ)
+{
+    const double nu = organ.poissons_ratio;
+    return std::min(
+        kMostGivesWayMm, kBornByOrganN * (1.0 - nu * nu) / (2.0 * organ.youngs_modulus_MPa * kPressedRadiusMm));
+}
+
 ContactSurfaces contact_surfaces(const mesh::LabelTable& table, const Approach& approach, Patient& patient)
 {
     ContactSurfaces surfaces;
-    surfaces.tolerance_mm = std::max(kPenetrationToleranceMm, 0.5 * patient.labels()->grid.spacing.maxCoeff());
+    surfaces.tolerance_mm
+        = std::clamp(0.5 * patient.labels()->grid.spacing.maxCoeff(), kPenetrationToleranceMm, kMostToleranceMm);
+    const fem::MaterialTable& materials = patient.planned_case().materials;
     for (const mesh::LabelInfo& info : table)
         if (!is_full_of_air(info) && stays_in_place(info, approach, patient)) {
             surfaces.options.fixed.push_back(with_areas(*patient.organ(info.name)));
             surfaces.names.push_back(info.name);
-            surfaces.is_soft.push_back(mesh::is_skeleton(info) ? 0 : 1);
+            const auto material = std::ranges::find(materials, info.material, &fem::Material::name);
+            surfaces.gives_way_mm.push_back(material == materials.end() ? 0.0 : gives_way_mm(*material));
         }
     return surfaces;
 }
@@ -272,7 +280,7 @@ std::optional<ContactOpening> open_without_contact_from(const OpenedWall& start,
         return std::nullopt;
     if (mode == ContactMode::never)
         return solved;
-    solved.contact = test_of(solved.opened.opening, with_four_nodes(problem), surfaces);
+    solved.contact = test_of(solved.opened.opening, with_four_nodes(problem), surfaces).metrics;
     if (solved.contact->needed.value_or(false))
         return std::nullopt;
     return solved;

@@ -3,7 +3,7 @@
 //
 // The wound is first solved without contact: by four-node elements where ten-node elements begin with them. Where
 // surfaces then pass through each other by more than they are known, the wound is solved again with contact. Soft
-// organs give way: only where the wall passes deeper than kGivesWayMm into one, the organ is taken to be rigid. The
+// organs give way: contact leaves out those into which the wall sinks no deeper than gives_way_mm(). The
 // solution begins at the solution without contact: the pairs are followed from rest to there, since contact that begins
 // with a point deep behind a face takes the point to have been inside all along. Where this finds no equilibrium, where
 // only four-node elements were solved of ten-node elements, or where hooks hold nodes of the surface (these may collide
@@ -32,13 +32,20 @@ namespace retractor::planner {
 
 /// Surfaces that pass through each other by no more than this beyond their overlap at rest do not touch. Contact
 /// changes forces and openings by less than their error bars there. Surfaces from labels are known to half a voxel at
-/// best, which takes the place of a smaller number.
-inline constexpr double kPenetrationToleranceMm = 0.2;
+/// best, which takes the place of a smaller number, up to the second one: what is deeper would be seen.
+inline constexpr double kPenetrationToleranceMm = 0.2, kMostToleranceMm = 0.75;
 
-/// So deep the wall may sink into a soft organ. A liver of 5 kPa, pressed in so deep over a circle of 30 mm radius,
-/// bears 2 N (a flat punch: 2 E a d / (1 - nu^2)), less than a tenth of a retractor's force; a rigid one would bear
-/// tens of newtons.
-inline constexpr double kGivesWayMm = 5.0;
+/// An organ gives way as long as it bears less than this (ours: 2 to 5 % of a retractor's force on the demo and on a
+/// chest). A rigid organ would bear tens of newtons.
+inline constexpr double kBornByOrganN = 2.0;
+/// Radius of the circle over which the wall presses on an organ, ours.
+inline constexpr double kPressedRadiusMm = 30.0;
+/// Deepest that any organ gives way: the test follows surfaces to 12 mm.
+inline constexpr double kMostGivesWayMm = 8.0;
+
+/// How deep the wall may sink into an organ before it bears kBornByOrganN: a flat punch of kPressedRadiusMm on a half
+/// space, F = 2 E a d / (1 - nu^2). A liver of 5.4 kPa gives way by 4.7 mm, a heart of 20 kPa by 1.3 mm.
+double gives_way_mm(const fem::Material& organ);
 
 /// The time for contact, in times of what was solved without contact before, and at least. Newton's method finds one by
 /// one which points touch, and each set of points takes a solution of its own. Ours: a plan must not wait long for
@@ -51,7 +58,7 @@ inline constexpr double kTenNodeContactTimes = 8.0, kLeastTenNodeContactS = 120.
 struct ContactSurfaces {
     fem::ContactOptions options;
     std::vector<std::string> names; ///< label of each surface of options.fixed
-    std::vector<char> is_soft {}; ///< of each surface; empty: all are rigid
+    std::vector<double> gives_way_mm {}; ///< of each surface; empty: all are rigid
     double tolerance_mm = kPenetrationToleranceMm; ///< to which the surfaces are known
 };
 

@@ -186,8 +186,17 @@ namespace contact_where_needed_test {
         }
     }
 
+    TEST(ContactWhereNeeded, AnOrganGivesWayUntilItBearsTwoNewtons)
+    {
+        // By hand: 2 N x 0.75 / (2 x 0.0054 N/mm2 x 30 mm).
+        EXPECT_NEAR(gives_way_mm(test_support::material(0.0054, 0.5)), 4.63, 0.01);
+        EXPECT_LT(gives_way_mm(test_support::material(1.0, 0.45)), 0.03) << "a vessel";
+        EXPECT_EQ(gives_way_mm(test_support::material(1e-4, 0.3)), kMostGivesWayMm);
+    }
+
     TEST(ContactWhereNeeded, ASoftOrganGivesWayButNotForEver)
     {
+        constexpr double kDepthMm = 3.0;
         const PlannedField field = field_of(pushed_plate(8.0, 3.0));
         const ContactOpening without = opened(field, ContactMode::never);
         ASSERT_TRUE(is_usable(without.opened.opening)) << without.opened.opening.message;
@@ -195,25 +204,26 @@ namespace contact_where_needed_test {
         for (Eigen::Index v = 0; v < field.wall.vertices.rows(); ++v)
             if (field.wall.vertices(v, 2) == 0.0)
                 bottom = std::max(bottom, -without.opened.opening.displacement(v, 2));
-        ASSERT_GT(bottom, kGivesWayMm + 0.2);
-        const auto soft_heart = [&](double depth_mm) {
-            ContactSurfaces heart = heart_at(-(bottom - depth_mm));
-            heart.is_soft = { 1 };
-            return heart;
-        };
-        const ContactOpening shallow = opened(field, ContactMode::automatic, soft_heart(kGivesWayMm - 0.1)),
-                             deep = opened(field, ContactMode::automatic, soft_heart(kGivesWayMm + 0.1));
+        ASSERT_GT(bottom, kDepthMm + 0.2);
+        ContactSurfaces soft = heart_at(-(bottom - kDepthMm));
+        soft.gives_way_mm = { kDepthMm + 0.1 };
+        const ContactOpening shallow = opened(field, ContactMode::automatic, soft);
         EXPECT_EQ(shallow.contact->needed, false);
         EXPECT_EQ(shallow.contact->with, "heart");
-        EXPECT_NEAR(shallow.contact->largest_penetration_mm, kGivesWayMm - 0.1, 1e-9);
+        EXPECT_NEAR(shallow.contact->largest_penetration_mm, kDepthMm, 1e-9);
         EXPECT_EQ(shallow.opened.opening.displacement, without.opened.opening.displacement);
-        EXPECT_EQ(deep.contact->needed, true);
-        // A bone that the wall passes through less deeply is not hidden by the heart.
-        ContactSurfaces both = soft_heart(kGivesWayMm - 0.1);
+        ContactSurfaces firmer = soft;
+        firmer.gives_way_mm = { kDepthMm - 0.1 };
+        EXPECT_EQ(opened(field, ContactMode::automatic, firmer).contact->needed, true);
+        // A bone that the wall passes through less deeply is not hidden by the heart, and is held off alone.
+        ContactSurfaces both = soft, bone = heart_at(-(bottom - 1.0));
         both.options.fixed.push_back(floor_at(-(bottom - 1.0)));
-        both.names.push_back("vertebra");
-        both.is_soft.push_back(0);
-        EXPECT_EQ(opened(field, ContactMode::automatic, both).contact->needed, true);
+        both.names.emplace_back("vertebra");
+        both.gives_way_mm.push_back(0.0);
+        const ContactOpening on_both = opened(field, ContactMode::automatic, both),
+                             on_bone = opened(field, ContactMode::automatic, bone);
+        EXPECT_EQ(on_both.contact->needed, true);
+        expect_same(on_both, on_bone);
         both.tolerance_mm = 1.5;
         EXPECT_EQ(opened(field, ContactMode::automatic, both).contact->needed, false) << "known no better";
     }

@@ -236,8 +236,10 @@ namespace {
             return contact.touching > 0 ? std::to_string(contact.touching) + " points touch" : "nothing touches";
         if (!contact.needed)
             return "not tested";
-        return *contact.needed ? number(contact.largest_penetration_mm, 1, "mm") + " passed through"
-                               : "nothing touches";
+        if (*contact.needed)
+            return number(contact.largest_penetration_mm, 1, "mm") + " passed through";
+        return planner::sinks_in(contact) ? number(contact.largest_penetration_mm, 1, "mm") + " sunk in"
+                                          : "nothing touches";
     }
 
     MetricSection model_section(const planner::FieldMetrics& field)

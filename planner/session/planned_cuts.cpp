@@ -75,7 +75,7 @@ std::vector<CutEntry> recognise_planned_cuts(const mesh::TetMesh& wall, const Ap
                 break;
             planned.push_back(entry_of(stroke, *divided));
         }
-    } catch (const Error&) { // these cuts cannot be made, so none of them was
+    } catch (const Error&) { // the next one cannot be made, so it was not; those before were
     }
     return planned;
 }

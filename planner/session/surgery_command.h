@@ -60,7 +60,7 @@ namespace surgery {
     struct TakePlannedHooks { };
     /// Tells what a new plan of the approach says; see SurgerySession::set_planned_force().
     struct SetPlannedForce {
-        PlannedForce force {};
+        std::optional<PlannedForce> force {};
     };
     /// Pulls one hook to a displacement, mm from rest. Of the waiting commands only the newest for each hook runs, so
     /// that the wound follows the hand.

@@ -999,12 +999,16 @@ bool SurgerySession::is_cut_as_planned() const
     return all_planned && strokes == approach_.division.strokes.size();
 }
 
-bool SurgerySession::set_planned_force(const PlannedForce& force)
+bool SurgerySession::set_planned_force(const std::optional<PlannedForce>& force)
 {
     if (planned_force_ == force)
         return false;
+    const bool same_opening = force && planned_force_ && force->retractor == planned_force_->retractor
+        && force->opening_mm == planned_force_->opening_mm;
+    for (std::optional<double>& factor : force_factors_)
+        factor
+            = same_opening && factor ? std::optional(*factor * force->force_N / planned_force_->force_N) : std::nullopt;
     planned_force_ = force;
-    force_factors_ = {};
     match_forces();
     return true;
 }

@@ -185,9 +185,9 @@ public:
     /// without a lip to hold are left out and named in the message.
     KnifeAnswer take_planned_hooks();
     std::size_t planned_hooks() const { return approach_.hooks.size(); }
-    /// Takes what a new plan of the approach says, instead of SurgerySetup::planned_force.
+    /// Takes what a new plan of the approach says, instead of SurgerySetup::planned_force; nothing: no force.
     /// @return false: it says the same
-    bool set_planned_force(const PlannedForce& force);
+    bool set_planned_force(const std::optional<PlannedForce>& force);
     /// Pulls a hook to a displacement, mm from rest; does nothing when the hook is gone.
     void pull_hook(fem::HookId hook, const Vec3& asked);
     void pull_all_hooks(double mm); ///< pulls each hook away from the other lip

@@ -111,7 +111,12 @@ struct SurgeryWorker::Runner {
         if (!live_session.set_planned_force(c.force))
             return nothing();
         worker.change_snapshot([&](SurgerySnapshot& next) { next.planned_force = c.force; });
-        return { true, "The plan is made: forces by hand are matched to it" };
+        if (!c.force)
+            return { true, "The new plan says no force: forces by hand are not matched" };
+        return { true,
+            live_session.hooks().force_factor
+                ? "The plan is made: forces by hand are matched to it"
+                : "The plan is made: forces by hand are matched to it once the wound is opened as planned" };
     }
     void operator()(const surgery::SetYield& c) const { live_session.set_yield(c.force_N); }
     void operator()(const surgery::SetNonlinear& c) const { live_session.set_nonlinear(c.wanted); }

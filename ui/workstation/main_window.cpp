@@ -560,8 +560,7 @@ void MainWindow::show_knife()
                 return make(approach, job);
             });
         if (const auto& field = model_->state(index).field; field != nullptr)
-            if (const auto force = planned_force(field->metrics))
-                knife_->set_planned_force(model_->id(index), *force);
+            knife_->set_planned_force(model_->id(index), planned_force(field->metrics));
     } else {
         knife_->leave();
     }

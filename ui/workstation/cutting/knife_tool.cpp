@@ -220,11 +220,12 @@ void KnifeTool::set_up(std::size_t approach, std::function<SurgeryInput(const Jo
     show_picture();
 }
 
-void KnifeTool::set_planned_force(std::size_t approach, const planner::PlannedForce& force)
+void KnifeTool::set_planned_force(std::size_t approach, const std::optional<planner::PlannedForce>& force)
 {
     const auto found = sessions_.find(approach);
-    if (found == sessions_.end() || std::exchange(found->second.planned_force, force) == force)
+    if (found == sessions_.end() || (found->second.planned_force && *found->second.planned_force == force))
         return;
+    found->second.planned_force = force;
     found->second.worker->run(planner::surgery::SetPlannedForce { force });
 }
 

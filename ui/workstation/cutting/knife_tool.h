@@ -41,8 +41,9 @@ public:
     /// Starts the session of an approach, if there is none yet, and shows it.
     /// @param approach SessionModel::id()
     void set_up(std::size_t approach, std::function<SurgeryInput(const Job&)> prepare);
-    /// Tells the session of an approach, if there is one, what the plan says of the force of its retractor.
-    void set_planned_force(std::size_t approach, const planner::PlannedForce& force);
+    /// Tells the session of an approach, if there is one, what the plan says of the force of its retractor; nothing: it
+    /// says no force.
+    void set_planned_force(std::size_t approach, const std::optional<planner::PlannedForce>& force);
     /// Shows no session. Existing sessions stay, with their cuts.
     void leave();
     /// Ends the sessions of all other approaches, whose incisions are no longer there. One that works goes on, because
@@ -80,7 +81,8 @@ private:
         /// Filled by the worker's thread before a snapshot reports the session as ready; read only after that.
         std::shared_ptr<Scene> surroundings;
         std::shared_ptr<SightWatch::Look> look; ///< filled with the surroundings
-        std::optional<planner::PlannedForce> planned_force; ///< that the session was told of
+        /// What the session was told of its plan; the outer one is empty before.
+        std::optional<std::optional<planner::PlannedForce>> planned_force;
     };
 
     void press(const QPointF& at) override;

@@ -29,6 +29,7 @@
 #include "ui/scene/vtk/offscreen.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -284,7 +285,7 @@ namespace {
 
 std::optional<planner::PlannedForce> planned_force(const planner::FieldMetrics& field)
 {
-    if (!field.retractor || !field.error || !field.error->message.empty())
+    if (!field.retractor || !field.error || !field.error->message.empty() || !std::isfinite(field.error->hook_force_N))
         return std::nullopt;
     return planner::PlannedForce { .retractor = field.retractor->kind,
         .opening_mm = field.retractor->opening_mm,

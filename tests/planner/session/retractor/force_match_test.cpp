@@ -167,9 +167,18 @@ namespace force_match_test {
         plan.force_N = 2.0 * kPlannedN;
         EXPECT_TRUE(live_session.set_planned_force(plan));
         EXPECT_NEAR(blade_force_N(live_session), 2.0 * kPlannedN, kSame * kPlannedN);
+        // Further cuts do not lose the match to a plan of the same opening.
+        live_session.crank(live_session.hooks().retractors.at(0).blades[0], 0.5 * kOpeningMm);
+        settle(live_session);
+        const double halfway_N = blade_force_N(live_session);
+        plan.force_N = kPlannedN;
+        EXPECT_TRUE(live_session.set_planned_force(plan));
+        EXPECT_NEAR(blade_force_N(live_session), 0.5 * halfway_N, kSame * halfway_N);
         plan.opening_mm = 2.0 * kOpeningMm;
         EXPECT_TRUE(live_session.set_planned_force(plan));
         EXPECT_FALSE(live_session.hooks().force_factor) << "not opened as far as the new plan yet";
+        EXPECT_TRUE(live_session.set_planned_force(std::nullopt));
+        EXPECT_FALSE(live_session.hooks().force_factor);
     }
 
     TEST(ForceMatch, OfASessionIsNotMadeInAnotherCut)

@@ -5649,7 +5649,7 @@
     </message>
     <message>
         <source>contact: the wall sinks up to %1 mm into the %2, which gives way</source>
-        <translation>接触：胸壁は%2に最大 %1 mm 沈み込みます（柔らかく、押されて退きます）</translation>
+        <translation>接触：壁は%2に最大 %1 mm 沈み込みます（柔らかく、押されて退きます）</translation>
     </message>
     <message>
         <source>The plan is made: forces by hand are matched to it</source>
@@ -5685,15 +5685,15 @@
     </message>
     <message>
         <source>%1, left blade: %2, %3, right blade: %4</source>
-        <translation>%1：左ブレード %2；右ブレード %4</translation>
+        <translation>%1：左のブレード %2；%3：右のブレード %4</translation>
     </message>
     <message>
         <source>left blade: %1</source>
-        <translation>左ブレード：%1</translation>
+        <translation>左のブレード：%1</translation>
     </message>
     <message>
         <source>right blade: %1</source>
-        <translation>右ブレード：%1</translation>
+        <translation>右のブレード：%1</translation>
     </message>
     <message>
         <source>%1 N and %2 N m, turned %3, the lip follows within %4 mm, pressure %5 kPa on average and %6 kPa at most (%7), %8 on its first, middle and last third along the incision</source>
@@ -5738,10 +5738,6 @@
     <message>
         <source>the right lip lies up to %1 mm (mean %2 mm) off the line of its %3, most %4 mm along the incision</source>
         <translation>右の創縁は%3の線から最大 %1 mm（平均 %2 mm）離れ、最も離れるのは切開に沿って %4 mm の所です</translation>
-    </message>
-    <message>
-        <source>the right lip lies up to %1 mm (mean %2 mm) off the line of its %3, most %4 mm along the incision.</source>
-        <translation>右の創縁は%3の線から最大 %1 mm（平均 %2 mm）離れ、最も離れるのは切開に沿って %4 mm の所です。</translation>
     </message>
     <message>
         <source>blade</source>
@@ -5790,14 +5786,6 @@
     <message>
         <source>skin would tear: %1, torn samples failed between %2 and %3 %</source>
         <translation>皮膚は裂けます：%1。引き裂いた試料は %2～%3 % で破断しました</translation>
-    </message>
-    <message>
-        <source>skin may tear: %1, torn samples failed between %2 and %3 %.</source>
-        <translation>皮膚は裂けることがあります：%1。引き裂いた試料は %2～%3 % で破断しました。</translation>
-    </message>
-    <message>
-        <source>skin would tear: %1, torn samples failed between %2 and %3 %.</source>
-        <translation>皮膚は裂けます：%1。引き裂いた試料は %2～%3 % で破断しました。</translation>
     </message>
     <message>
         <source>Force %1 N</source>
@@ -5865,15 +5853,47 @@
     </message>
     <message>
         <source>left_blade: %1, right_blade: %2</source>
-        <translation>左ブレード：%1、右ブレード：%2</translation>
+        <translation>左のブレード：%1、右のブレード：%2</translation>
     </message>
     <message>
         <source>left blade to %1</source>
-        <translation>左ブレードと%1</translation>
+        <translation>左のブレードと%1</translation>
     </message>
     <message>
         <source>right blade to %1</source>
-        <translation>右ブレードと%1</translation>
+        <translation>右のブレードと%1</translation>
+    </message>
+    <message>
+        <source>The plan is made: forces by hand are matched to it once the wound is opened as planned</source>
+        <translation>計画ができました。計画どおりに開創すると、手動での力を計画に合わせます</translation>
+    </message>
+    <message>
+        <source>The new plan says no force: forces by hand are not matched</source>
+        <translation>新しい計画には力がありません。手動での力は合わせません</translation>
+    </message>
+    <message>
+        <source>%1 sunk in</source>
+        <translation>%1 沈み込み</translation>
+    </message>
+    <message>
+        <source>cut over %1 mm</source>
+        <translation>%1 mm にわたって切開しました</translation>
+    </message>
+    <message>
+        <source>surfaces that overlap by up to %1 mm at rest keep this overlap</source>
+        <translation>静止時に最大 %1 mm 重なる面は、その重なりを保ちます</translation>
+    </message>
+    <message>
+        <source>largest strain, averaged over balls of %1 mm radius: %2 %3 % %4 mm along the incision, %5 mm beside it and %6 mm deep</source>
+        <translation>半径 %1 mm の球で平均した最大ひずみ：%2 %3 %（切開に沿って %4 mm、横に %5 mm、深さ %6 mm）</translation>
+    </message>
+    <message>
+        <source>largest strain, averaged over balls of %1 mm radius: %2 %3 % %4 mm before the start of the incision, %5 mm beside it and %6 mm deep</source>
+        <translation>半径 %1 mm の球で平均した最大ひずみ：%2 %3 %（切開の始点の手前 %4 mm、横に %5 mm、深さ %6 mm）</translation>
+    </message>
+    <message>
+        <source>largest strain, averaged over balls of %1 mm radius: %2 %3 % %4 mm beyond the end of the incision, %5 mm beside it and %6 mm deep</source>
+        <translation>半径 %1 mm の球で平均した最大ひずみ：%2 %3 %（切開の終点の先 %4 mm、横に %5 mm、深さ %6 mm）</translation>
     </message>
 </context>
 </TS>

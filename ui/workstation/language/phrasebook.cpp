@@ -18,31 +18,38 @@ namespace {
     /// A number, a name or a file stands in an open place; more words are a sentence that no phrase knows.
     constexpr int kMostWordsInAPlace = 6;
     constexpr int kMostWordsOfAName = 5; ///< in a list
+    const QString kFullStop = QString::fromUtf8("\u3002");
 
     /// The phrase as a pattern; nothing in an open place ends a sentence or clause, so that a phrase does not swallow
     /// the next.
     OpenPhrase open_phrase(const QString& english, const QString& translation)
     {
-        OpenPhrase phrase { .english = {}, .places = {}, .translation = translation, .source = english };
-        QString pattern;
+        OpenPhrase phrase {
+            .english = {}, .with_clauses = {}, .places = {}, .translation = translation, .source = english
+        };
+        QString pattern, with_clauses;
         int end = 0;
         for (auto found = kPlace.globalMatch(english); found.hasNext();) {
             const QRegularExpressionMatch place = found.next();
-            pattern += QRegularExpression::escape(english.mid(end, place.capturedStart() - end));
-            pattern += "((?:(?![.;] ).)+?)";
+            const QString before = QRegularExpression::escape(english.mid(end, place.capturedStart() - end));
+            pattern += before + "((?:(?![.;] ).)+?)";
+            with_clauses += before + "((?:(?!\\. ).)+?)";
             phrase.places.push_back(place.captured(1).toInt());
             end = place.capturedEnd();
         }
-        pattern += QRegularExpression::escape(english.mid(end));
+        const QString behind = QRegularExpression::escape(english.mid(end));
         phrase.letters = english.size() - 2 * static_cast<int>(phrase.places.size());
-        phrase.english = QRegularExpression(QRegularExpression::anchoredPattern(pattern));
+        phrase.english = QRegularExpression(QRegularExpression::anchoredPattern(pattern + behind));
+        phrase.with_clauses = QRegularExpression(QRegularExpression::anchoredPattern(with_clauses + behind));
         return phrase;
     }
 
     /// The translation of a phrase with open places; nothing where it is another phrase.
-    std::optional<QString> filled(const Phrasebook& book, const OpenPhrase& phrase, const QString& english)
+    /// @param pattern phrase.english or phrase.with_clauses
+    std::optional<QString> filled(
+        const Phrasebook& book, const QRegularExpression& pattern, const OpenPhrase& phrase, const QString& english)
     {
-        const QRegularExpressionMatch match = phrase.english.match(english);
+        const QRegularExpressionMatch match = pattern.match(english);
         if (!match.hasMatch())
             return std::nullopt;
         QString text;
@@ -71,25 +78,52 @@ namespace {
         return said.join(between).replace("。 ", "。"); // in Japanese no space follows a sentence
     }
 
+    /// The translation of a name; nothing where the book does not know all of it.
+    std::optional<QString> translated_name(const Phrasebook& book, const QString& english)
+    {
+        if (const auto whole = book.phrases.find(english); whole != book.phrases.end())
+            return *whole;
+        for (const OpenPhrase& phrase : book.open_phrases) {
+            const QStringList places = phrase.english.match(english).capturedTexts().mid(1);
+            const auto is_known
+                = [&](const QString& place) { return !place.contains(kWord) || book.phrases.contains(place); };
+            if (!places.isEmpty() && std::all_of(places.begin(), places.end(), is_known))
+                return filled(book, phrase.english, phrase, english);
+        }
+        return std::nullopt;
+    }
+
     /// A list of names, each with a number or not: "heart 16.7 mm, aorta 18.7 mm".
     /// @returns nothing where one of them is not known
     std::optional<QString> translated_list(const Phrasebook& book, const QString& english)
     {
         static const QRegularExpression number(" -?[0-9.]+ (?:mm|%)$");
-        QStringList said;
         if (english.contains("; ") || english.contains(". "))
             return std::nullopt;
+        QStringList said;
         for (QString part : english.split(", ")) {
             const QRegularExpressionMatch match = number.match(part);
             const QString behind = match.captured();
             part = part.left(part.size() - behind.size()).replace('_', ' ');
-            const bool may_be_a_name = part != english && part.count(kWord) <= kMostWordsOfAName && !part.contains('%');
-            const QString name = may_be_a_name ? translated(book, part) : part;
-            if (name == part)
+            if (part == english || part.count(kWord) > kMostWordsOfAName || part.contains('%'))
                 return std::nullopt;
-            said += name + behind;
+            const std::optional<QString> name = translated_name(book, part);
+            if (!name)
+                return std::nullopt;
+            said += *name + behind;
         }
         return said.join(QString::fromUtf8("\u3001"));
+    }
+
+    /// A phrase whose places hold several clauses, as reasons do that are joined.
+    std::optional<QString> filled_with_clauses(const Phrasebook& book, const QString& english)
+    {
+        constexpr int kFewestLetters = 12; // less says too little of what stands in its places
+        for (const OpenPhrase& phrase : book.open_phrases)
+            if (phrase.letters >= kFewestLetters)
+                if (const auto text = filled(book, phrase.with_clauses, phrase, english))
+                    return text;
+        return std::nullopt;
     }
 
     /// A sentence of several clauses: "opened by half a turn; held for 5 minutes." @returns nothing where none is known
@@ -98,15 +132,32 @@ namespace {
         if (!english.contains("; "))
             return std::nullopt;
         const bool ends = english.endsWith('.');
+        const QString whole = english;
         if (ends)
             english.chop(1);
         const QStringList clauses = english.split("; ");
         QStringList said;
-        for (const QString& clause : clauses)
+        int known = 0;
+        for (const QString& clause : clauses) {
             said += translated(book, clause);
-        if (said == clauses)
+            known += said.back() != clause;
+        }
+        if (known < clauses.size())
+            if (const auto text = filled_with_clauses(book, whole))
+                return text;
+        if (known == 0)
             return std::nullopt;
-        return said.join(QString::fromUtf8("\uff1b")) + (ends ? QString::fromUtf8("\u3002") : QString());
+        return said.join(QString::fromUtf8("\uff1b")) + (ends ? kFullStop : QString());
+    }
+
+    /// A phrase that the book knows without its full stop.
+    std::optional<QString> translated_without_stop(const Phrasebook& book, QString english)
+    {
+        if (!english.endsWith('.') || english.endsWith(".."))
+            return std::nullopt;
+        english.chop(1);
+        const QString said = translated(book, english);
+        return said == english ? std::nullopt : std::optional(said + kFullStop);
     }
 
 } // namespace
@@ -150,7 +201,7 @@ QString translated(const Phrasebook& book, const QString& english)
     if (const auto list = translated_list(book, english)) // before a phrase takes two names for one
         return *list;
     for (const OpenPhrase& phrase : book.open_phrases)
-        if (const auto text = filled(book, phrase, english))
+        if (const auto text = filled(book, phrase.english, phrase, english))
             return *text;
     QStringList sentences;
     int begin = 0;
@@ -158,8 +209,11 @@ QString translated(const Phrasebook& book, const QString& english)
         sentences += english.mid(begin, end + 1 - begin);
         begin = end + 2;
     }
-    if (sentences.isEmpty())
-        return translated_clauses(book, english).value_or(english);
+    if (sentences.isEmpty()) {
+        if (const auto clauses = translated_clauses(book, english))
+            return *clauses;
+        return translated_without_stop(book, english).value_or(english);
+    }
     sentences += english.mid(begin);
     return joined_parts(book, sentences, " ");
 }

@@ -15,6 +15,7 @@ namespace retractor::ui {
 /// A phrase with open places: "Shows %1 % of the %2." and its translation "%2の %1 % が見えます。".
 struct OpenPhrase {
     QRegularExpression english; ///< its captures are the open places, in the order in which they stand
+    QRegularExpression with_clauses; ///< the same, where a place may hold "; "
     std::vector<int> places; ///< the number of each capture: 1 for %1
     QString translation;
     QString source; ///< the English phrase

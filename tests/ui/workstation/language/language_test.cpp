@@ -99,6 +99,20 @@ namespace language_test {
         const Phrasebook book = book_of({ { "rib left %1", "linke Rippe %1" }, { "heart", "Herz" } });
         EXPECT_EQ(translated(book, "rib left 4, rib left 5"), "linke Rippe 4\u3001linke Rippe 5");
         EXPECT_EQ(translated(book, "heart 2.5 mm, rib left 5 3 mm"), "Herz 2.5 mm\u3001linke Rippe 5 3 mm");
+        const Phrasebook more = book_of({ { "the %1", "%1" }, { "Score %1", "Punkte %1" },
+            { "Score %1, the highest", "Punkte %1, am meisten" }, { "blade: %1", "Blatt: %1" } });
+        EXPECT_EQ(translated(more, "Score 12, the highest"), "Punkte 12, am meisten");
+        const QString half = "blade: 70.6 N and 2.03 N m, the lip follows within 5.8 mm of it";
+        EXPECT_EQ(translated(more, half), half);
+    }
+
+    TEST(Phrasebook, TranslatesReasonsThatAreJoined)
+    {
+        const Phrasebook book
+            = book_of({ { "not cut over %1 mm: %2", "%1 mm nicht: %2" }, { "it is held", "gehalten" } });
+        EXPECT_EQ(translated(book, "not cut over 3 mm: it is held"), "3 mm nicht: gehalten");
+        EXPECT_EQ(translated(book, "not cut over 3 mm: it is held; it is far"), "3 mm nicht: gehalten\uff1bit is far");
+        EXPECT_EQ(translated(book, "not cut over 3 mm: it is held."), "3 mm nicht: gehalten\u3002");
     }
 
     TEST(JapaneseReport, IsKnownInItsSentences)
@@ -125,7 +139,11 @@ namespace language_test {
                 "largest strain, averaged over balls of 5 mm radius: muscle 77 % 206 mm along the incision, 1 mm "
                 "beside "
                 "it and 15 mm deep; skin 51 % 2 mm before the start of the incision, 0 mm beside it and 3 mm deep",
-                "contact: the wall sinks up to 3.6 mm into the heart, which gives way" })
+                "contact: the wall sinks up to 3.6 mm into the heart, which gives way; surfaces that overlap by up to "
+                "2.66 mm "
+                "at rest keep this overlap.",
+                "right blade: 70.6 N and 2.03 N m, turned -3.0 degrees, the lip follows within 5.8 mm",
+                "contact: the wall sinks up to 3.6 mm into the heart, which gives way." })
             EXPECT_FALSE(translated(book, english).contains(QRegularExpression("[A-Za-z]{4}"))) << english;
     }
 

@@ -103,6 +103,16 @@ namespace contact_where_needed_test {
 
     double force_of(const ContactOpening& solved) { return solved.opened.opening.hook_forces_N.at(0).norm(); }
 
+    /// How far the bottom of the plate, at z = 0, comes down.
+    double bottom_motion_mm(const PlannedField& field, const ContactOpening& solved)
+    {
+        double motion = 0.0;
+        for (Eigen::Index v = 0; v < field.wall.vertices.rows(); ++v)
+            if (field.wall.vertices(v, 2) == 0.0)
+                motion = std::max(motion, -solved.opened.opening.displacement(v, 2));
+        return motion;
+    }
+
     void expect_same(const ContactOpening& a, const ContactOpening& b)
     {
         const Points &u = a.opened.opening.displacement, &v = b.opened.opening.displacement;
@@ -157,10 +167,7 @@ namespace contact_where_needed_test {
             const ContactOpening without = opened(field, ContactMode::never);
             ASSERT_TRUE(is_usable(without.opened.opening)) << without.opened.opening.message;
             // What the bottom, at z = 0, passes through a plane is known.
-            double bottom = 0.0;
-            for (Eigen::Index v = 0; v < field.wall.vertices.rows(); ++v)
-                if (field.wall.vertices(v, 2) == 0.0)
-                    bottom = std::max(bottom, -without.opened.opening.displacement(v, 2));
+            const double bottom = bottom_motion_mm(field, without);
             ASSERT_GT(bottom, 0.5);
             const double gap = 0.5 * bottom;
             const Penetration found
@@ -200,10 +207,7 @@ namespace contact_where_needed_test {
         const PlannedField field = field_of(pushed_plate(8.0, 3.0));
         const ContactOpening without = opened(field, ContactMode::never);
         ASSERT_TRUE(is_usable(without.opened.opening)) << without.opened.opening.message;
-        double bottom = 0.0;
-        for (Eigen::Index v = 0; v < field.wall.vertices.rows(); ++v)
-            if (field.wall.vertices(v, 2) == 0.0)
-                bottom = std::max(bottom, -without.opened.opening.displacement(v, 2));
+        const double bottom = bottom_motion_mm(field, without);
         ASSERT_GT(bottom, kDepthMm + 0.2);
         ContactSurfaces soft = heart_at(-(bottom - kDepthMm));
         soft.gives_way_mm = { kDepthMm + 0.1 };

@@ -4,13 +4,13 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
+#include "mesh/surface/proximity.h"
 
 #include <Eigen/Dense>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <utility>
 
 namespace retractor::fem {
@@ -38,14 +38,8 @@ namespace {
         return { 1.0 - v - u, v, u };
     }
 
-    std::vector<Vec3> unit_normals(const Points& at, const std::vector<std::array<VertexId, 3>>& triangles)
-    {
-        std::vector<Vec3> normals;
-        normals.reserve(triangles.size());
-        for (const auto& triangle : triangles)
-            normals.push_back(unit_normal(triangle_corners(at, triangle)));
-        return normals;
-    }
+    /// The vertex of a surface behind a number of ContactPair::node.
+    VertexId vertex_of(std::int32_t node) { return node < 0 ? ~node : node; }
 
     bool faces_point(const Vec3& point, const std::array<Vec3, 3>& face)
     {
@@ -81,10 +75,9 @@ namespace {
         }
         double held = 0.0;
         if (before != nullptr) {
-            const auto row = [](std::int32_t node) { return node < 0 ? ~node : node; };
-            const Vec3 point = points_at.row(row(before->node[0])).transpose();
-            const std::array<Vec3, 3> face
-                = triangle_corners(faces_at, { row(before->node[1]), row(before->node[2]), row(before->node[3]) });
+            const Vec3 point = points_at.row(vertex_of(before->node[0])).transpose();
+            const std::array<Vec3, 3> face = triangle_corners(
+                faces_at, { vertex_of(before->node[1]), vertex_of(before->node[2]), vertex_of(before->node[3]) });
             held = std::min(signed_distance(point, face) - before->overlap, 0.0);
         }
         if (distance - pair.overlap < held - kJump * edge)
@@ -208,8 +201,9 @@ Contact::Contact(const mesh::TetMesh& mesh, const std::vector<Lame>& lame, Conta
     }
     options_.fixed.clear(); // the surfaces are kept in fixed_ only
     fixed_ = surface_of(std::move(fixed), std::move(triangles));
-    near_fixed_.emplace(fixed_.rest, fixed_.triangles, options_.reach);
-    fixed_normals_ = unit_normals(fixed_.rest, fixed_.triangles);
+    near_body_.emplace(body_.rest, body_.triangles);
+    near_fixed_.emplace(fixed_.rest, fixed_.triangles);
+    fixed_normals_ = fixed_.normals(fixed_.rest);
 
     modulus_per_edge_.assign(mesh.vertex_count(), 0.0);
     edge_.assign(mesh.vertex_count(), 0.0);
@@ -254,71 +248,78 @@ double Contact::edge_at(const Side& points, VertexId point, const std::array<Ver
     return edge_[static_cast<std::size_t>(points.of_body ? point : triangle[0])];
 }
 
-/// Appends the best face of each point to `pairs`.
-void Contact::pair_points(const Side& points, const Side& faces, const mesh::TriangleProximity& near, Pairing pairing,
-    std::vector<ContactPair>& pairs) const
+/// Appends the best face of each point to `pairs`, in the order of the points.
+void Contact::pair_points(const Side& points, const Side& faces, Pairing pairing, std::vector<ContactPair>& pairs) const
 {
     RETRACTOR_ASSERT(points.of_body || faces.of_body);
-    std::map<std::int32_t, const ContactPair*> before; // a sliding point keeps its face as long as possible
+    const std::vector<VertexId>& vertices = points.surface.points;
+    std::vector<const ContactPair*> before(points.surface.around.size()); // by vertex
     for (const ContactPair& pair : pairs_)
         if ((pair.node[0] >= 0) == points.of_body && (pair.node[1] >= 0) == faces.of_body)
-            before[pair.node[0]] = &pair;
-    const Points normals = points.surface.normals(points.at);
+            before[static_cast<std::size_t>(vertex_of(pair.node[0]))] = &pair;
     const bool self = points.of_body && faces.of_body;
     const std::vector<double>& overlap = self ? points.surface.overlap_self : points.surface.overlap_other;
-    std::array<std::vector<ContactPair>, 2> found;
-    parallel_halves(points.surface.points.size(), [&](std::size_t half, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const VertexId v = points.surface.points[i];
-            const auto known = before.find(points.number(v));
-            if (pairing == Pairing::new_only && known != before.end()) {
-                found[half].push_back(*known->second);
+    std::vector<std::optional<ContactPair>> found(vertices.size());
+    parallel_halves(vertices.size(), [&](std::size_t half, std::size_t begin, std::size_t end) {
+        for (std::size_t k = 0; k < end - begin; ++k) { // every other point: most lie close together near the wound
+            const std::size_t i = 2 * k + 1 - half;
+            const VertexId v = vertices[i];
+            const ContactPair* known = before[static_cast<std::size_t>(v)];
+            if (pairing == Pairing::new_only && known != nullptr) {
+                found[i] = *known;
                 continue;
             }
-            const Seeker seeker { v, points.at.row(v).transpose(), normals.row(v).transpose(),
-                overlap[static_cast<std::size_t>(v)], known != before.end() ? known->second : nullptr };
-            if (const std::array<VertexId, 3>* best = best_face(points, faces, near, seeker))
-                found[half].push_back(make_pair(points, faces, seeker, *best));
+            const Seeker seeker { v, points.at.row(v).transpose(), points.normals.row(v).transpose(),
+                overlap[static_cast<std::size_t>(v)], known };
+            if (const auto best = best_face(points, faces, seeker))
+                found[i] = make_pair(points, faces, seeker, *best);
         }
     });
-    for (const std::vector<ContactPair>& half : found)
-        pairs.insert(pairs.end(), half.begin(), half.end());
+    for (const std::optional<ContactPair>& pair : found)
+        if (pair)
+            pairs.push_back(*pair);
 }
 
 /// The nearest face that the point can meet; the face of its last pair where this face is about as near.
-const std::array<VertexId, 3>* Contact::best_face(
-    const Side& points, const Side& faces, const mesh::TriangleProximity& near, const Seeker& seeker) const
+std::optional<std::array<VertexId, 3>> Contact::best_face(
+    const Side& points, const Side& faces, const Seeker& seeker) const
 {
     constexpr double kAsGood = 1.25, kRoundOffMm = 1e-9;
-    // Where tissue folds at the rim of a hook's patch, the faces next to a point look towards it.
-    std::vector<VertexId> ring;
-    if (points.of_body && faces.of_body)
-        for (const std::int32_t t : points.surface.around[static_cast<std::size_t>(seeker.vertex)])
-            ring.insert(ring.end(), points.surface.triangles[static_cast<std::size_t>(t)].begin(),
-                points.surface.triangles[static_cast<std::size_t>(t)].end());
-    const std::array<VertexId, 3>* best = nullptr;
-    double nearest = 0.0;
-    const auto opposed = [&](std::int32_t triangle) { // most faces within reach are those round the point itself
-        return seeker.normal.dot(faces.normals[static_cast<std::size_t>(triangle)]) < kOpposed;
+    const auto can_take = [&](const std::array<VertexId, 3>& face) {
+        return !is_adjacent(points, faces, seeker.vertex, face) && can_meet(points, faces, seeker, face);
     };
-    for (const mesh::TriangleProximity::Nearby& candidate : near.within(seeker.place, options_.reach, opposed)) {
-        if (best != nullptr && candidate.point.distance > kAsGood * nearest + kRoundOffMm)
-            break;
-        const auto& triangle = faces.surface.triangles[static_cast<std::size_t>(candidate.triangle)];
-        if (std::find_first_of(triangle.begin(), triangle.end(), ring.begin(), ring.end()) != triangle.end()
-            || !can_meet(points, faces, seeker, triangle))
-            continue;
-        const bool same = seeker.before != nullptr
-            && seeker.before->node
-                == std::array<std::int32_t, 4> { points.number(seeker.vertex), faces.number(triangle[0]),
-                       faces.number(triangle[1]), faces.number(triangle[2]) };
-        if (best == nullptr || same) {
-            if (best == nullptr)
-                nearest = candidate.point.distance;
-            best = &triangle;
-        }
+    std::array<VertexId, 3> last {};
+    double last_distance = options_.reach;
+    bool keeps = false; // whether the point can keep the face of its last pair
+    if (seeker.before != nullptr) {
+        const auto& node = seeker.before->node;
+        last = { vertex_of(node[1]), vertex_of(node[2]), vertex_of(node[3]) };
+        const std::array<Vec3, 3> face = triangle_corners(faces.at, last);
+        const double distance = mesh::closest_on_triangle(seeker.place, face[0], face[1], face[2]).distance;
+        keeps = distance <= options_.reach && seeker.normal.dot(unit_normal(face)) < kOpposed && can_take(last);
+        if (keeps)
+            last_distance = distance;
     }
-    return best;
+    const std::vector<std::array<VertexId, 3>>& triangles = faces.surface.triangles;
+    const auto nearest = faces.near.nearest({ seeker.place, last_distance, seeker.normal, kOpposed },
+        [&](std::int32_t triangle) { return can_take(triangles[static_cast<std::size_t>(triangle)]); });
+    if (keeps && (!nearest || last_distance <= kAsGood * nearest->distance + kRoundOffMm))
+        return last;
+    return nearest ? std::optional(triangles[static_cast<std::size_t>(nearest->triangle)]) : std::nullopt;
+}
+
+/// Whether a face shares a corner with the faces round the point: where tissue folds at the rim of a hook's patch, the
+/// faces next to a point look towards it.
+bool Contact::is_adjacent(
+    const Side& points, const Side& faces, VertexId point, const std::array<VertexId, 3>& face) const
+{
+    if (!points.of_body || !faces.of_body)
+        return false;
+    const std::vector<std::int32_t>& around = points.surface.around[static_cast<std::size_t>(point)];
+    return std::any_of(around.begin(), around.end(), [&](std::int32_t t) {
+        const auto& ring = points.surface.triangles[static_cast<std::size_t>(t)];
+        return std::find_first_of(ring.begin(), ring.end(), face.begin(), face.end()) != ring.end();
+    });
 }
 
 /// Whether the point lies over a face that looks towards it, and is not behind the face since rest.
@@ -369,14 +370,15 @@ bool Contact::find(const Eigen::VectorXd& u, Pairing pairing)
     const Points at = positions(u);
     if (!at.allFinite())
         throw InputError("a displacement is not finite", "contact");
-    const mesh::TriangleProximity near_body(at, body_.triangles, options_.reach);
+    near_body_->refit(at);
     std::vector<ContactPair> found;
-    const std::vector<Vec3> normals = unit_normals(at, body_.triangles);
-    const Side body { body_, at, true, normals }, fixed { fixed_, fixed_.rest, false, fixed_normals_ };
-    pair_points(body, body, near_body, pairing, found);
+    const Points normals = body_.normals(at);
+    const Side body { body_, at, true, normals, *near_body_ },
+        fixed { fixed_, fixed_.rest, false, fixed_normals_, *near_fixed_ };
+    pair_points(body, body, pairing, found);
     if (!fixed_.triangles.empty()) {
-        pair_points(body, fixed, *near_fixed_, pairing, found);
-        pair_points(fixed, body, near_body, pairing, found);
+        pair_points(body, fixed, pairing, found);
+        pair_points(fixed, body, pairing, found);
     }
     const bool changed = found != pairs_;
     pairs_ = std::move(found);

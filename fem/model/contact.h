@@ -16,7 +16,7 @@
 
 #include "fem/linear_algebra/block_matrix.h"
 #include "fem/material/elasticity.h"
-#include "mesh/surface/proximity.h"
+#include "mesh/surface/triangle_hierarchy.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <Eigen/Core>
@@ -137,7 +137,8 @@ private:
         const Surface& surface;
         const Points& at;
         bool of_body; ///< false: the fixed surfaces
-        const std::vector<Vec3>& normals; ///< unit normals of the triangles
+        const Points& normals; ///< as Surface::normals()
+        const mesh::TriangleHierarchy& near; ///< fitted to the present place
 
         std::int32_t number(VertexId v) const { return of_body ? v : ~v; } ///< as in ContactPair::node
     };
@@ -147,10 +148,9 @@ private:
         double overlap; ///< at rest, mm, <= 0
         const ContactPair* before; ///< the last pair of the point, or nullptr
     };
-    void pair_points(const Side& points, const Side& faces, const mesh::TriangleProximity& near, Pairing pairing,
-        std::vector<ContactPair>& pairs) const;
-    const std::array<VertexId, 3>* best_face(
-        const Side& points, const Side& faces, const mesh::TriangleProximity& near, const Seeker& seeker) const;
+    void pair_points(const Side& points, const Side& faces, Pairing pairing, std::vector<ContactPair>& pairs) const;
+    std::optional<std::array<VertexId, 3>> best_face(const Side& points, const Side& faces, const Seeker& seeker) const;
+    bool is_adjacent(const Side& points, const Side& faces, VertexId point, const std::array<VertexId, 3>& face) const;
     bool can_meet(
         const Side& points, const Side& faces, const Seeker& seeker, const std::array<VertexId, 3>& triangle) const;
     ContactPair make_pair(
@@ -169,8 +169,8 @@ private:
     std::vector<VertexId> fixed_end_; ///< per fixed surface: the number after its last vertex in fixed_
     std::vector<double> modulus_per_edge_; ///< P-wave modulus over edge length, one per node of the body, N/mm^3
     std::vector<double> edge_; ///< edge length, one per node of the body, mm
-    std::optional<mesh::TriangleProximity> near_fixed_;
-    std::vector<Vec3> fixed_normals_; ///< unit normals of the triangles of the fixed surfaces
+    std::optional<mesh::TriangleHierarchy> near_body_, near_fixed_; ///< set by the constructor
+    Points fixed_normals_; ///< as Surface::normals()
     std::vector<ContactPair> pairs_;
     double overlap_at_rest_ = 0.0;
 };

@@ -392,19 +392,29 @@ void ElasticBody::add_corotational(const Eigen::VectorXd& u, double projected, E
     std::size_t end, double* values) const
 {
     const auto& tangent_of = extremes == Extremes::raised ? tangent_raised_at_extremes : tangent;
-    for (std::size_t t = begin; t < end; ++t)
+    std::array<RowMat3, kPairs<Nodes>> blocks; // of one element: the matrix is far from the cache
+    for (std::size_t t = begin; t < end; ++t) {
+        const auto count = static_cast<int>(nodes_of(t));
         for (std::size_t q = 0; q < points_of(t); ++q) {
             const Mat3 F = deformation_gradient(u, t, q);
             const Tangent c = tangent_of(model_, lame_[t], F, projected);
             const Eigen::Matrix<double, Nodes, 3> g = FixedGradients<Nodes>(gradients(t, q)) * c.V;
             const Mat3 U = c.U * weights_[t * points_per_tet_ + q];
-            const std::int32_t* target = map_.data() + t * kPairs<Nodes>;
-            const auto count = static_cast<int>(nodes_of(t));
+            std::size_t pair = 0;
             for (int a = 0; a < count; ++a)
-                for (int b = 0; b <= a; ++b)
-                    add_block(values, *target++,
-                        U * pair_block(c, g.row(a).transpose(), g.row(b).transpose()) * c.U.transpose());
+                for (int b = 0; b <= a; ++b, ++pair) {
+                    const RowMat3 block
+                        = U * pair_block(c, g.row(a).transpose(), g.row(b).transpose()) * c.U.transpose();
+                    if (q == 0)
+                        blocks[pair] = block;
+                    else
+                        blocks[pair] += block;
+                }
         }
+        const std::int32_t* target = map_.data() + t * kPairs<Nodes>;
+        for (std::size_t pair = 0; pair < static_cast<std::size_t>(count * (count + 1) / 2); ++pair)
+            add_block(values, target[pair], blocks[pair]);
+    }
 }
 
 template <int Nodes> void ElasticBody::add_linear(std::size_t begin, std::size_t end, double* values) const
@@ -468,13 +478,32 @@ void ElasticBody::add_stiffness(const Eigen::VectorXd& u, double projected, Extr
     }
 }
 
+/// Sets `stiffness_` to the sum of all elements.
+void ElasticBody::add_elements(const Eigen::VectorXd& u, double projected, Extremes extremes)
+{
+    second_half_.resize(stiffness_.values.size());
+    parallel_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+        std::vector<double>& values = which == 0 ? stiffness_.values : second_half_;
+        std::fill(values.begin(), values.end(), 0.0);
+        if (nodes_per_tet_ == 4)
+            add_stiffness<4>(u, projected, extremes, begin, end, values.data());
+        else
+            add_stiffness<10>(u, projected, extremes, begin, end, values.data());
+    });
+    parallel_halves(second_half_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            stiffness_.values[i] += second_half_[i];
+    });
+}
+
 const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double projected, Extremes extremes)
 {
     RETRACTOR_ASSERT(u.size() == 3 * mesh_.vertices.rows() && projected >= 0.0 && projected <= 1.0);
     if (map_.empty())
         make_pattern();
-    stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
-    second_half_.assign(stiffness_.values.size(), 0.0);
+    stiffness_.values.resize(9 * stiffness_.pattern.block_count());
+    if (locking_free_)
+        std::fill(stiffness_.values.begin(), stiffness_.values.end(), 0.0);
     if (locking_free_ && (contact_ || blades_)) {
         BlockMatrix own { elements_pattern_, std::vector<double>(9 * elements_pattern_.block_count(), 0.0) };
         locking_free_->add_stiffness(u, projected, own);
@@ -482,15 +511,7 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
     } else if (locking_free_)
         locking_free_->add_stiffness(u, projected, stiffness_);
     else
-        parallel_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
-            double* values = which == 0 ? stiffness_.values.data() : second_half_.data();
-            if (nodes_per_tet_ == 4)
-                add_stiffness<4>(u, projected, extremes, begin, end, values);
-            else
-                add_stiffness<10>(u, projected, extremes, begin, end, values);
-        });
-    for (std::size_t i = 0; i < second_half_.size(); ++i)
-        stiffness_.values[i] += second_half_[i];
+        add_elements(u, projected, extremes);
     for (std::size_t v = 0; v < bed_.size(); ++v)
         if (bed_[v] > 0.0) { // a node with a spring has elements, so its row ends with the diagonal block
             double* diagonal

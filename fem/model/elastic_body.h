@@ -129,6 +129,7 @@ public:
 private:
     void measure_elements();
     void make_pattern();
+    void add_elements(const Eigen::VectorXd& u, double projected, Extremes extremes);
     template <int Nodes>
     void add_stiffness(const Eigen::VectorXd& u, double projected, Extremes extremes, std::size_t begin,
         std::size_t end, double* values) const;

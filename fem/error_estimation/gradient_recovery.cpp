@@ -1,6 +1,7 @@
 #include "fem/error_estimation/gradient_recovery.h"
 
 #include "fem/element/tet_element.h"
+#include "fem/linear_algebra/parallel.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Eigenvalues>
@@ -178,8 +179,16 @@ namespace {
                         if (!mesh::is_straight(nodes, e))
                             midpoints_[nodes[static_cast<std::size_t>(end)]].insert(nodes[4 + e]);
             }
+            std::vector<VertexId> vertices;
             for (const auto& [vertex, near] : round_)
-                fit(vertex);
+                vertices.push_back(vertex);
+            std::vector<Eigen::MatrixXd> values(vertices.size());
+            parallel_halves(vertices.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i)
+                    values[i] = fit(vertices[i]);
+            });
+            for (std::size_t i = 0; i < vertices.size(); ++i)
+                keep(vertices[i], values[i]);
         }
 
         const std::vector<TetId>& tets() const { return tets_; }
@@ -201,7 +210,8 @@ namespace {
     private:
         static constexpr std::size_t kPerTet = 4; // samples per element
 
-        void fit(VertexId vertex)
+        /// Values of the fit round a vertex, one per row: at the vertex, then at the midpoints of its edges.
+        Eigen::MatrixXd fit(VertexId vertex) const
         {
             std::set<std::size_t> near(round_.at(vertex).begin(), round_.at(vertex).end());
             for (std::size_t before = 0; kPerTet * near.size() < kFewest && near.size() > before;) {
@@ -216,14 +226,17 @@ namespace {
                 for (std::size_t n = 0; n < kPerTet; ++n)
                     samples.push_back(&samples_[kPerTet * i + n]);
             const auto place = [this](VertexId node) -> Vec3 { return mesh_.vertices.row(node).transpose(); };
-            const std::set<VertexId>& midpoints = midpoints_.at(vertex);
             std::vector<Vec3> places { place(vertex) };
-            for (const VertexId node : midpoints)
+            for (const VertexId node : midpoints_.at(vertex))
                 places.push_back(place(node));
-            const Eigen::MatrixXd values = fitted(samples, places);
+            return fitted(samples, places);
+        }
+
+        void keep(VertexId vertex, const Eigen::MatrixXd& values)
+        {
             recovered_[vertex] = values.row(0).transpose();
             Eigen::Index row = 1;
-            for (const VertexId node : midpoints) // mean of the fits round both ends
+            for (const VertexId node : midpoints_.at(vertex)) // mean of the fits round both ends
                 recovered_.try_emplace(node, Gradient::Zero()).first->second += 0.5 * values.row(row++).transpose();
         }
 

@@ -12,10 +12,13 @@
 #include <cblas.h>
 #include <cholmod.h>
 #include <omp.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <new>
 #include <utility>
 
@@ -27,13 +30,42 @@ namespace {
 
     // The operations of BLAS in both precisions. L is a lower triangle stored by columns.
 
+    /// Forward substitution, or back substitution with the transpose. Most triangles of a factor are small: a call of
+    /// OpenBLAS, which locks a mutex each time, would take longer.
+    template <class Scalar>
+    void solve_small_lower(CBLAS_TRANSPOSE transposed, int n, const Scalar* L, int stride, Scalar* x)
+    {
+        using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+        const auto below = [&](int column) {
+            return Eigen::Map<const Vector>(L + std::ptrdiff_t { column } * stride + column + 1, n - column - 1);
+        };
+        const auto rest = [&](int column) { return Eigen::Map<Vector>(x + column + 1, n - column - 1); };
+        const auto diagonal = [&](int column) { return L[std::ptrdiff_t { column } * stride + column]; };
+        if (transposed == CblasNoTrans)
+            for (int j = 0; j < n; ++j) {
+                x[j] /= diagonal(j);
+                rest(j) -= x[j] * below(j);
+            }
+        else
+            for (int j = n; j-- > 0;)
+                x[j] = (x[j] - below(j).dot(rest(j))) / diagonal(j);
+    }
+
+    constexpr int kSmallTriangle = 64; // columns
+
     void solve_lower(CBLAS_TRANSPOSE transposed, int n, const double* L, int stride, double* x)
     {
-        cblas_dtrsv(CblasColMajor, CblasLower, transposed, CblasNonUnit, n, L, stride, x, 1);
+        if (n <= kSmallTriangle)
+            solve_small_lower(transposed, n, L, stride, x);
+        else
+            cblas_dtrsv(CblasColMajor, CblasLower, transposed, CblasNonUnit, n, L, stride, x, 1);
     }
     void solve_lower(CBLAS_TRANSPOSE transposed, int n, const float* L, int stride, float* x)
     {
-        cblas_strsv(CblasColMajor, CblasLower, transposed, CblasNonUnit, n, L, stride, x, 1);
+        if (n <= kSmallTriangle)
+            solve_small_lower(transposed, n, L, stride, x);
+        else
+            cblas_strsv(CblasColMajor, CblasLower, transposed, CblasNonUnit, n, L, stride, x, 1);
     }
     void solve_lower(CBLAS_TRANSPOSE transposed, int n, int columns, const double* L, int stride, double* x, int rows)
     {
@@ -185,6 +217,19 @@ namespace {
         all_of(parts.above, y, beyond);
     }
 
+    /// Memory for CHOLMOD. A factor takes gigabytes, which each factorisation sets to zero: in large pages that takes a
+    /// fraction of the time.
+    void* allocate(std::size_t bytes)
+    {
+        constexpr std::size_t kPage = std::size_t { 2 } << 20, kLarge = 8 * kPage;
+        if (bytes < kLarge)
+            return std::malloc(bytes);
+        void* memory = std::aligned_alloc(kPage, (bytes + kPage - 1) / kPage * kPage);
+        if (memory != nullptr)
+            (void)madvise(memory, bytes, MADV_HUGEPAGE); // advice: without large pages nothing else changes
+        return memory;
+    }
+
     Eigen::MatrixXd in_elimination_order(const Eigen::MatrixXd& x, const cholmod_factor& factor)
     {
         const auto* order = static_cast<const int*>(factor.Perm);
@@ -251,6 +296,7 @@ struct SparseCholesky::State {
     cholmod_factor* factor = nullptr;
     SymmetricPattern pattern;
     std::vector<std::int32_t> place; ///< position of each unknown in the order of elimination
+    TwoParts parts; ///< of the whole factor
     bool factorised = false;
     float* single = nullptr; ///< values of the factor in single precision, in place of those in double precision
     std::int32_t failed = -1;
@@ -258,6 +304,8 @@ struct SparseCholesky::State {
 
     State()
     {
+        static std::once_flag once; // the setting is for the whole process
+        std::call_once(once, [] { SuiteSparse_config.malloc_func = allocate; }); // freed and resized as by malloc()
         cholmod_start(&common);
         common.print = 0; // failures are thrown, not printed
         common.supernodal = CHOLMOD_SUPERNODAL;
@@ -300,9 +348,10 @@ struct SparseCholesky::State {
         a.packed = 1;
         return a;
     }
-    /// Stores the order of elimination. Call after the analysis.
+    /// Stores the order of elimination and the parts of the factor. Call after the analysis.
     void keep_places()
     {
+        parts = two_parts(Supernodes(*factor), static_cast<Eigen::Index>(factor->n));
         const auto* order = static_cast<const int*>(factor->Perm);
         place.resize(factor->n);
         for (std::size_t i = 0; i < place.size(); ++i)
@@ -437,10 +486,9 @@ Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& right_sides) const
     RETRACTOR_ASSERT(state_->factorised && !rounded());
     RETRACTOR_ASSERT(right_sides.rows() == f.size);
     Eigen::MatrixXd ordered = in_elimination_order(right_sides, *state_->factor);
-    const TwoParts parts = two_parts(f, f.size);
     const FactorOf<double> factor { f, f.values };
-    forward(factor, parts, ordered);
-    backward(factor, parts, f.size, ordered);
+    forward(factor, state_->parts, ordered);
+    backward(factor, state_->parts, f.size, ordered);
     return in_matrix_order(ordered, *state_->factor);
 }
 
@@ -479,10 +527,9 @@ Eigen::VectorXd SparseCholesky::solve_rounded(const Eigen::VectorXd& right_side)
     Columns<float> ordered(f.size, 1); // scaled, so that no small right side underflows
     for (Eigen::Index i = 0; i < f.size; ++i)
         ordered(i, 0) = static_cast<float>(right_side[order[i]] / largest);
-    const TwoParts parts = two_parts(f, f.size);
     const FactorOf<float> factor { f, state_->single };
-    forward(factor, parts, ordered);
-    backward(factor, parts, f.size, ordered);
+    forward(factor, state_->parts, ordered);
+    backward(factor, state_->parts, f.size, ordered);
     Eigen::VectorXd x(f.size);
     for (Eigen::Index i = 0; i < f.size; ++i)
         x[order[i]] = largest * static_cast<double>(ordered(i, 0));
@@ -559,7 +606,7 @@ Eigen::MatrixXd SparseCholesky::finish(const HalfSolution& half) const
     for (std::size_t i = 0; i < half.supernodes.size(); ++i)
         ordered.middleRows(f.first[half.supernodes[i]], half.start[i + 1] - half.start[i])
             = half.values.middleRows(half.start[i], half.start[i + 1] - half.start[i]);
-    backward(FactorOf<double> { f, f.values }, two_parts(f, f.size), f.size, ordered);
+    backward(FactorOf<double> { f, f.values }, state_->parts, f.size, ordered);
     return in_matrix_order(ordered, *state_->factor);
 }
 

@@ -372,19 +372,58 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
         });
     half[0].energy += half[1].energy;
     half[0].forces += half[1].forces;
+    add_surroundings(u, half[0]);
+    return std::move(half[0]);
+}
+
+/// Adds the energy and the forces of all that is no element.
+void ElasticBody::add_surroundings(const Eigen::VectorXd& u, Response& response) const
+{
     for (std::size_t v = 0; v < bed_.size(); ++v) {
         const auto at = 3 * static_cast<Eigen::Index>(v);
-        half[0].energy += 0.5 * bed_[v] * u.segment<3>(at).squaredNorm();
-        half[0].forces.segment<3>(at) += bed_[v] * u.segment<3>(at);
+        response.energy += 0.5 * bed_[v] * u.segment<3>(at).squaredNorm();
+        response.forces.segment<3>(at) += bed_[v] * u.segment<3>(at);
     }
     for (const Hinge& hinge : hinges_)
-        half[0].energy += add_hinge_response(mesh_, hinge, hinge_angle(), u, half[0].forces);
-    add_loads(u, half[0]);
+        response.energy += add_hinge_response(mesh_, hinge, hinge_angle(), u, response.forces);
+    add_loads(u, response);
     if (contact_)
-        half[0].energy += contact_->add_response(u, half[0].forces);
+        response.energy += contact_->add_response(u, response.forces);
     if (blades_)
-        half[0].energy += blades_->add_response(u, half[0].forces);
-    return std::move(half[0]);
+        response.energy += blades_->add_response(u, response.forces);
+}
+
+std::vector<std::uint8_t> ElasticBody::touched_nodes(const Eigen::VectorXd& u) const
+{
+    RETRACTOR_ASSERT(u.size() == 3 * mesh_.vertices.rows());
+    Response response { 0.0, Eigen::VectorXd::Zero(u.size()) };
+    add_surroundings(u, response);
+    std::vector<std::uint8_t> touched(mesh_.vertex_count(), 0);
+    for (std::size_t v = 0; v < touched.size(); ++v)
+        if ((response.forces.segment<3>(3 * static_cast<Eigen::Index>(v)).array() != 0.0).any()
+            || (!bed_.empty() && bed_[v] > 0.0))
+            touched[v] = 1;
+    return touched;
+}
+
+ElasticBody ElasticBody::part(const std::vector<TetId>& elements, std::vector<VertexId>& nodes) const
+{
+    RETRACTOR_ASSERT(has_parts());
+    nodes.clear();
+    for (const TetId t : elements)
+        nodes.insert(nodes.end(), mesh_.tet(t).begin(), mesh_.tet(t).end());
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    mesh::TetMesh mesh { mesh_.vertices(nodes, Eigen::all), mesh_.nodes_per_tet, {}, {} };
+    std::vector<Lame> lame;
+    for (const TetId t : elements) {
+        for (const VertexId v : mesh_.tet(t))
+            mesh.nodes.push_back(
+                static_cast<VertexId>(std::lower_bound(nodes.begin(), nodes.end(), v) - nodes.begin()));
+        mesh.labels.push_back(mesh_.labels[static_cast<std::size_t>(t)]);
+        lame.push_back(lame_[static_cast<std::size_t>(t)]);
+    }
+    return { mesh, model_, std::move(lame) };
 }
 
 template <int Nodes>

@@ -98,6 +98,15 @@ public:
     Elasticity model() const { return model_; }
     const mesh::TetMesh& mesh() const { return mesh_; }
 
+    /// Whether part() can be taken: of linear and corotational elements without avoid_locking().
+    bool has_parts() const { return model_ != Elasticity::hyperelastic && !corotational_linear_ && !locking_free_; }
+    /// Some elements as a body of their own, without bed, hinges, loads, contact and blades.
+    /// @param nodes receives the node of this body for each node of the part, ascending. @pre has_parts()
+    ElasticBody part(const std::vector<TetId>& elements, std::vector<VertexId>& nodes) const;
+    /// One flag per node: 1 where something else than elements acts at this displacement, such as a load, a spring, a
+    /// contact or a blade.
+    std::vector<std::uint8_t> touched_nodes(const Eigen::VectorXd& displacement) const;
+
     struct Response {
         double energy = 0.0; ///< energy of tissue, bed, hinges, loads, contact and blades, N mm
         Eigen::VectorXd forces; ///< derivative of the energy: internal forces minus external forces, N
@@ -143,6 +152,7 @@ private:
     /// Calls f(element, quadrature point, F, energy density, stress) for a range of elements.
     template <class F>
     void for_each_point(const Eigen::VectorXd& u, std::size_t begin, std::size_t end, const F& f) const;
+    void add_surroundings(const Eigen::VectorXd& u, Response& response) const;
     void add_loads(const Eigen::VectorXd& u, Response& response) const;
     Mat3 deformation_gradient(const Eigen::VectorXd& u, std::size_t element, std::size_t point) const;
     const double* gradients(std::size_t element, std::size_t point) const;

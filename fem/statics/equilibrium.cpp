@@ -2,6 +2,7 @@
 
 #include "fem/linear_algebra/norm.h"
 #include "fem/statics/lifted_factor.h"
+#include "fem/statics/local_relaxation.h"
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
@@ -158,8 +159,36 @@ namespace {
                     return Outcome::failed;
                 if (i == max_iterations)
                     return Outcome::out_of_iterations;
+                relax_locally();
                 if (!step())
                     return Outcome::failed;
+            }
+        }
+
+        /// Brings nodes with large forces to rest, as long as these forces are local and the energy falls.
+        void relax_locally()
+        {
+            constexpr double kLarge = 0.05; // residual
+            constexpr double kWorthARound = 1e-5; // fall of the energy, as a share of it
+            constexpr int kRounds = 4;
+            if (body_.has_loads() || !LocalRelaxation::is_worth_it(body_))
+                return;
+            bool goes_on = true;
+            for (int round = 0; goes_on && round < kRounds && result_.residual > kLarge; ++round) {
+                if (!locally_)
+                    locally_.emplace(body_, solver_.prescribed());
+                Eigen::VectorXd r = state_.forces;
+                solver_.mask(r);
+                std::optional<Eigen::VectorXd> u = locally_->relaxed(u_, r);
+                if (!u)
+                    return;
+                ElasticBody::Response there = respond(*u);
+                if (!std::isfinite(there.energy) || there.energy >= state_.energy)
+                    return;
+                goes_on = state_.energy - there.energy >= kWorthARound * std::abs(state_.energy);
+                u_ = std::move(*u);
+                state_ = std::move(there);
+                result_.residual = residual();
             }
         }
 
@@ -581,6 +610,7 @@ namespace {
         double stiffest_; ///< largest diagonal entry of the stiffness, N/mm
         double reach_ = 0.0; ///< mm: largest displacement of a start state
         double largest_load_ = 0.0; ///< largest nodal load, N
+        std::optional<LocalRelaxation> locally_; ///< set when it is needed first
         Eigen::VectorXd u_;
         double lift_ = 0.0; ///< share of the negative eigenvalues that was last removed from the element stiffness
         bool has_poor_factor_ = false; ///< the factor at hand preconditions badly

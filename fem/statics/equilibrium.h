@@ -12,7 +12,8 @@
 // such direction is left. The true stiffness alone ends in tiny steps, since nearly incompressible tissue under tension
 // is full of negative curvature; the projected stiffness alone is too stiff and converges slowly. Hyperelastic bodies
 // factor the true stiffness at each Newton step where the whole matrix is positive definite, else the stiffness with
-// the smallest sufficient share.
+// the smallest sufficient share. In a large body whose large residual forces stand at a few nodes, these nodes are
+// brought to rest before each step (local_relaxation.h).
 //
 // A single step (EquilibriumOptions::load_steps is 1) of less than half a millimetre from near an equilibrium takes the
 // factor at hand as a preconditioner, and a fresh one only where this converges slowly.

@@ -6,7 +6,7 @@
 
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse)
 find_library(CHOLMOD_LIBRARY cholmod)
-find_library(SUITESPARSECONFIG_LIBRARY suitesparseconfig) # its settings of memory
+find_library(SUITESPARSECONFIG_LIBRARY suitesparseconfig) # holds its allocation functions
 find_path(OPENBLAS_INCLUDE_DIR cblas.h PATH_SUFFIXES openblas-pthread openblas NO_CMAKE_PATH
   PATHS /usr/include/x86_64-linux-gnu /usr/include/aarch64-linux-gnu)
 find_library(OPENBLAS_LIBRARY openblas)

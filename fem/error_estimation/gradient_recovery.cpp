@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <limits>
 #include <map>
 #include <set>
@@ -183,10 +184,18 @@ namespace {
             for (const auto& [vertex, near] : round_)
                 vertices.push_back(vertex);
             std::vector<Eigen::MatrixXd> values(vertices.size());
-            parallel_halves(vertices.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i)
-                    values[i] = fit(vertices[i]);
+            std::array<std::exception_ptr, 2> failed;
+            parallel_halves(vertices.size(), [&](std::size_t half, std::size_t begin, std::size_t end) {
+                try {
+                    for (std::size_t i = begin; i < end; ++i)
+                        values[i] = fit(vertices[i]);
+                } catch (...) { // no memory
+                    failed[half] = std::current_exception();
+                }
             });
+            for (const std::exception_ptr& failure : failed)
+                if (failure)
+                    std::rethrow_exception(failure);
             for (std::size_t i = 0; i < vertices.size(); ++i)
                 keep(vertices[i], values[i]);
         }

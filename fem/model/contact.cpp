@@ -262,7 +262,8 @@ void Contact::pair_points(const Side& points, const Side& faces, Pairing pairing
     std::vector<std::optional<ContactPair>> found(vertices.size());
     parallel_halves(vertices.size(), [&](std::size_t half, std::size_t begin, std::size_t end) {
         for (std::size_t k = 0; k < end - begin; ++k) { // every other point: most lie close together near the wound
-            const std::size_t i = 2 * k + 1 - half;
+            const std::size_t i = 2 * k + 1 - half; // the first half is the smaller one
+            RETRACTOR_ASSERT(i < vertices.size());
             const VertexId v = vertices[i];
             const ContactPair* known = before[static_cast<std::size_t>(v)];
             if (pairing == Pairing::new_only && known != nullptr) {

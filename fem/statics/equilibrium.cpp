@@ -159,27 +159,32 @@ namespace {
                     return Outcome::failed;
                 if (i == max_iterations)
                     return Outcome::out_of_iterations;
-                relax_locally();
+                relax_locally(tolerance);
+                if (result_.residual <= std::max(tolerance, kNoForce))
+                    return Outcome::converged;
                 if (!step())
                     return Outcome::failed;
             }
         }
 
         /// Brings nodes with large forces to rest, as long as these forces are local and the energy falls.
-        void relax_locally()
+        void relax_locally(double tolerance)
         {
-            constexpr double kLarge = 0.05; // residual
+            constexpr double kLargeResidual = 0.05; // below, Newton's steps are whole
             constexpr double kWorthARound = 1e-5; // fall of the energy, as a share of it
-            constexpr int kRounds = 4;
-            if (body_.has_loads() || !LocalRelaxation::is_worth_it(body_))
+            constexpr int kRounds = 4; // the large forces move to neighbours a few times
+            if (body_.has_loads() || !body_.has_parts() || body_.mesh().vertex_count() < options_.relax_locally_from)
                 return;
+            const double enough = std::max(tolerance, kLargeResidual);
             bool goes_on = true;
-            for (int round = 0; goes_on && round < kRounds && result_.residual > kLarge; ++round) {
+            for (int round = 0; goes_on && round < kRounds && result_.residual > enough && !job_.cancelled(); ++round) {
                 if (!locally_)
                     locally_.emplace(body_, solver_.prescribed());
                 Eigen::VectorXd r = state_.forces;
                 solver_.mask(r);
-                std::optional<Eigen::VectorXd> u = locally_->relaxed(u_, r);
+                const Stopwatch watch;
+                std::optional<Eigen::VectorXd> u = locally_->relax(u_, r);
+                result_.solve_seconds += watch.seconds();
                 if (!u)
                     return;
                 ElasticBody::Response there = respond(*u);

@@ -12,8 +12,8 @@
 // such direction is left. The true stiffness alone ends in tiny steps, since nearly incompressible tissue under tension
 // is full of negative curvature; the projected stiffness alone is too stiff and converges slowly. Hyperelastic bodies
 // factor the true stiffness at each Newton step where the whole matrix is positive definite, else the stiffness with
-// the smallest sufficient share. In a large body whose large residual forces stand at a few nodes, these nodes are
-// brought to rest before each step (local_relaxation.h).
+// the smallest sufficient share. In a large body without loads, where only a few nodes have large residual forces,
+// these nodes are brought to rest before each step (local_relaxation.h).
 //
 // A single step (EquilibriumOptions::load_steps is 1) of less than half a millimetre from near an equilibrium takes the
 // factor at hand as a preconditioner, and a fresh one only where this converges slowly.
@@ -62,6 +62,9 @@ struct EquilibriumOptions {
     /// keep a residual over many steps that change no force of a blade.
     double energy_tolerance = 0.0;
     double load_at_start = 0.0; ///< share of the body's loads that acts on the start state
+    /// Least number of nodes of a body without loads in which nodes with large residual forces are brought to rest
+    /// first: in a smaller body a step of Newton's method costs no more.
+    std::size_t relax_locally_from = 20'000;
 };
 
 enum class EquilibriumStatus { converged, not_converged, cancelled };

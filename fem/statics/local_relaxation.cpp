@@ -13,13 +13,13 @@ namespace retractor::fem {
 
 namespace {
 
-    constexpr std::size_t kLargeBody = 20000; // nodes
     constexpr std::size_t kMostNodes = 200; // with large forces: more are not local
-    constexpr double kLarge = 0.1; // of the largest force
+    constexpr std::size_t kLeastOfBody = 4; // nodes of the body for each node that moves: more are not local
+    constexpr double kLargeForce = 0.1; // of the largest force
 
-    /// Newton's method with the projected stiffness, which always finds a descent. Energies of a part are small, so it
-    /// ends after a number of steps if not at rest. @return whether the part moved
-    bool settle(ElasticBody& part, const std::vector<std::uint8_t>& prescribed, Eigen::VectorXd& u)
+    /// Newton's method with the projected stiffness, which always finds a descent. It ends after a number of steps if
+    /// not at rest. @return whether the part moved
+    bool bring_to_rest(ElasticBody& part, const std::vector<std::uint8_t>& prescribed, Eigen::VectorXd& u)
     {
         constexpr int kMostSteps = 30, kMostHalvings = 10;
         constexpr double kAtRest = 1e-3; // of the force at the start
@@ -37,7 +37,11 @@ namespace {
                 first = force;
             if (force <= kAtRest * first)
                 return moved;
-            solver.factorise(part.stiffness(u, 1.0));
+            try {
+                solver.factorise(part.stiffness(u, 1.0));
+            } catch (const SolverError&) { // the whole body goes on from here
+                return moved;
+            }
             const Eigen::VectorXd du = solver.solve(-r);
             const double slope = r.dot(du);
             bool is_lower = false;
@@ -57,11 +61,6 @@ namespace {
     }
 
 } // namespace
-
-bool LocalRelaxation::is_worth_it(const ElasticBody& body)
-{
-    return body.has_parts() && body.mesh().vertex_count() >= kLargeBody;
-}
 
 LocalRelaxation::LocalRelaxation(const ElasticBody& body, const std::vector<std::uint8_t>& prescribed)
     : body_(body)
@@ -83,14 +82,16 @@ LocalRelaxation::LocalRelaxation(const ElasticBody& body, const std::vector<std:
 }
 
 /// The nodes with large forces, of those that nothing touches; none where they are too many.
-std::vector<VertexId> LocalRelaxation::worst_nodes(
+std::vector<VertexId> LocalRelaxation::find_worst_nodes(
     const Eigen::VectorXd& forces, const std::vector<std::uint8_t>& touched) const
 {
     std::vector<double> force(touched.size(), 0.0);
     for (std::size_t v = 0; v < touched.size(); ++v)
         if (touched[v] == 0)
             force[v] = forces.segment<3>(3 * static_cast<Eigen::Index>(v)).norm();
-    const double least = kLarge * *std::max_element(force.begin(), force.end());
+    const double largest = *std::max_element(force.begin(), force.end()), least = kLargeForce * largest;
+    if (largest < kLargeForce * largest_length(forces))
+        return {};
     std::vector<VertexId> nodes;
     for (std::size_t v = 0; v < force.size() && nodes.size() <= kMostNodes; ++v)
         if (force[v] > 0.0 && force[v] >= least)
@@ -100,7 +101,7 @@ std::vector<VertexId> LocalRelaxation::worst_nodes(
     return nodes;
 }
 
-std::optional<Eigen::VectorXd> LocalRelaxation::relaxed(const Eigen::VectorXd& u, const Eigen::VectorXd& forces) const
+std::optional<Eigen::VectorXd> LocalRelaxation::relax(const Eigen::VectorXd& u, const Eigen::VectorXd& forces) const
 {
     const mesh::TetMesh& mesh = body_.mesh();
     RETRACTOR_ASSERT(u.size() == 3 * mesh.vertices.rows() && forces.size() == u.size());
@@ -115,14 +116,14 @@ std::optional<Eigen::VectorXd> LocalRelaxation::relaxed(const Eigen::VectorXd& u
     };
     const std::vector<std::uint8_t> touched = body_.touched_nodes(u);
     std::vector<VertexId> free;
-    for (const TetId t : elements_round(worst_nodes(forces, touched)))
+    for (const TetId t : elements_round(find_worst_nodes(forces, touched)))
         for (const VertexId v : mesh.tet(t))
             if (const auto i = static_cast<std::size_t>(v); touched[i] == 0 && prescribed_[3 * i] == 0
                 && prescribed_[3 * i + 1] == 0 && prescribed_[3 * i + 2] == 0)
                 free.push_back(v);
     std::sort(free.begin(), free.end());
     free.erase(std::unique(free.begin(), free.end()), free.end());
-    if (free.empty())
+    if (free.empty() || kLeastOfBody * free.size() > mesh.vertex_count())
         return std::nullopt;
     std::vector<VertexId> nodes; // of the body, for each node of the part
     ElasticBody part = body_.part(elements_round(free), nodes);
@@ -133,12 +134,8 @@ std::optional<Eigen::VectorXd> LocalRelaxation::relaxed(const Eigen::VectorXd& u
         if (!std::binary_search(free.begin(), free.end(), nodes[n]))
             std::fill_n(held.begin() + 3 * static_cast<std::ptrdiff_t>(n), 3, std::uint8_t { 1 });
     }
-    try {
-        if (!settle(part, held, of_part))
-            return std::nullopt;
-    } catch (const SolverError&) { // the whole body goes on without
+    if (!bring_to_rest(part, held, of_part))
         return std::nullopt;
-    }
     Eigen::VectorXd all = u;
     for (std::size_t n = 0; n < nodes.size(); ++n)
         all.segment<3>(3 * static_cast<Eigen::Index>(nodes[n])) = of_part.segment<3>(3 * static_cast<Eigen::Index>(n));

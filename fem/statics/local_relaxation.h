@@ -1,8 +1,8 @@
 #pragma once
-// Nonlinear elimination of local residuals [Lanzkron, Rose, Wilkes 1996, doi 10.1137/S106482759325154X]: where the
-// forces that are left stand at a few nodes (slivers at a cut, a crushed element), these nodes are brought to rest
-// while the rest of the body stays. Newton's method for the whole body would shorten step after step for their sake.
-// Units mm, N.
+// Nonlinear elimination [Lanzkron, Rose, Wilkes 1996, doi 10.1137/S106482759325154X]: where only a few nodes have large
+// residual forces (slivers at a cut, a crushed element), Newton's method first solves for these nodes and their
+// neighbours, with all other nodes fixed. Without this the line search shortens each step of the whole body. Units mm,
+// N.
 
 #include "fem/model/elastic_body.h"
 
@@ -16,21 +16,19 @@ namespace retractor::fem {
 
 class LocalRelaxation {
 public:
-    /// @param body corotational, and larger than its parts: see is_worth_it()
     /// @param prescribed one flag per unknown, 1 = prescribed
+    /// @pre body.has_parts(); body and flags outlive this object
     LocalRelaxation(const ElasticBody& body, const std::vector<std::uint8_t>& prescribed);
-
-    /// Whether the parts of a body can be relaxed, and are much smaller than the body.
-    static bool is_worth_it(const ElasticBody& body);
 
     /// The displacement with the nodes that bear the largest forces, and their neighbours, at rest. Nodes at which
     /// something else than tissue acts stay where they are.
     /// @param forces internal forces at the displacement u, zero at prescribed unknowns
-    /// @returns nothing where the forces are not local, or where nothing can move
-    std::optional<Eigen::VectorXd> relaxed(const Eigen::VectorXd& u, const Eigen::VectorXd& forces) const;
+    /// @returns nothing where the forces are not local, where they stand at nodes that must stay, or where nothing can
+    /// move
+    std::optional<Eigen::VectorXd> relax(const Eigen::VectorXd& u, const Eigen::VectorXd& forces) const;
 
 private:
-    std::vector<VertexId> worst_nodes(
+    std::vector<VertexId> find_worst_nodes(
         const Eigen::VectorXd& forces, const std::vector<std::uint8_t>& touched) const;
 
     const ElasticBody& body_;

@@ -109,8 +109,7 @@ std::array<std::int64_t, 3> TriangleProximity::cell(const Vec3& point) const
     return place;
 }
 
-std::vector<TriangleProximity::Nearby> TriangleProximity::within(
-    const Vec3& point, double distance, const std::function<bool(std::int32_t)>& keep) const
+std::vector<TriangleProximity::Nearby> TriangleProximity::within(const Vec3& point, double distance) const
 {
     std::vector<Nearby> nearby;
     if (cells_.empty() || !point.allFinite())
@@ -126,7 +125,7 @@ std::vector<TriangleProximity::Nearby> TriangleProximity::within(
             for (auto at = from; at != cells_.end() && at->first <= key(last[0], y, z); ++at) {
                 const auto t = static_cast<std::size_t>(at->second);
                 const double reach = (distance + radii_[t]) * kAboveRoundOff;
-                if ((point - centroids_[t]).squaredNorm() <= reach * reach && (!keep || keep(at->second)))
+                if ((point - centroids_[t]).squaredNorm() <= reach * reach)
                     met.push_back(at->second);
             }
         }

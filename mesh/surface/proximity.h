@@ -1,12 +1,11 @@
 #pragma once
-// Finds the triangles of a surface near a point with a uniform grid, for contact in fem. The grid must be made anew
-// after the triangles have moved. Units mm.
+// Finds the triangles of a surface near a point with a uniform grid. The grid must be made anew after the triangles
+// have moved; triangle_hierarchy.h follows them. Units mm.
 
 #include "mesh/base/geometry.h"
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <utility>
 #include <vector>
 
@@ -33,9 +32,7 @@ public:
     /// The triangles within `distance` (mm) of a point, the nearest first; at equal distance the lower number comes
     /// first.
     /// A distance above the reach counts as the reach.
-    /// @param keep only triangles for which it is true are considered; empty: all
-    std::vector<Nearby> within(
-        const Vec3& point, double distance, const std::function<bool(std::int32_t)>& keep = {}) const;
+    std::vector<Nearby> within(const Vec3& point, double distance) const;
 
 private:
     std::array<std::int64_t, 3> cell(const Vec3& point) const;

@@ -363,6 +363,33 @@ namespace sparse_cholesky_test {
             EXPECT_EQ(x.bottomRows(last), given);
             EXPECT_LE(multiply(x).topRows(n - last).norm(), 1e-13 * given.norm());
         }
+        const Eigen::VectorXd b = test_support::random_entries(n, 1, 7);
+        dissected.round_to_single();
+        EXPECT_LE((multiply(dissected.solve_rounded(b)) - b).norm(), 1e-5 * b.norm());
+    }
+
+    TEST(SparseCholesky, DenseBlocksOfAllSizesAreSolvedInBothPrecisions)
+    {
+        for (const int n : { 1, 2, 63, 64, 65, 200 }) { // one supernode: small ones have a substitution of their own
+            const Eigen::MatrixXd random = test_support::random_entries(n, n, 7);
+            const Eigen::MatrixXd dense = random * random.transpose() + n * Eigen::MatrixXd::Identity(n, n);
+            SymmetricPattern pattern { .column_start = { 0 }, .row = {} };
+            std::vector<double> values;
+            for (int j = 0; j < n; ++j) {
+                for (int i = 0; i <= j; ++i) {
+                    pattern.row.push_back(i);
+                    values.push_back(dense(i, j));
+                }
+                pattern.column_start.push_back(static_cast<std::int32_t>(pattern.row.size()));
+            }
+            SparseCholesky cholesky;
+            cholesky.analyse(pattern);
+            cholesky.factorise(values);
+            const Eigen::VectorXd b = test_support::random_entries(n, 1, 3);
+            EXPECT_LE((dense * cholesky.solve(b) - b).norm(), 1e-12 * b.norm()) << n;
+            cholesky.round_to_single();
+            EXPECT_LE((dense * cholesky.solve_rounded(b) - b).norm(), 1e-4 * b.norm()) << n;
+        }
     }
 
     TEST(SparseCholesky, NotPositiveDefiniteNamesTheUnknown)

@@ -1,6 +1,7 @@
 #include "fem/statics/local_relaxation.h"
 
 #include "fem/material/material.h"
+#include "fem/statics/equilibrium.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +11,7 @@
 namespace retractor::fem {
 namespace local_relaxation_test {
 
-    constexpr int kCells = 6; // per side, of 1 mm
+    constexpr int kCells = 8; // per side, of 1 mm
 
     /// A stretched block: the displacement is linear, so that only its sides bear forces.
     struct Block {
@@ -55,7 +56,7 @@ namespace local_relaxation_test {
     Eigen::VectorXd with_a_node_pushed(const Block& block)
     {
         Eigen::VectorXd u = block.stretched;
-        u.segment<3>(3 * block.node_at(Vec3(3.0, 3.0, 3.0))) += Vec3(0.5, 0.2, 0.1);
+        u.segment<3>(3 * block.node_at(Vec3(4.0, 4.0, 4.0))) += Vec3(0.5, 0.2, 0.1);
         return u;
     }
 
@@ -64,7 +65,7 @@ namespace local_relaxation_test {
         for (const bool ten_nodes : { false, true }) {
             const Block block(ten_nodes);
             const Eigen::VectorXd u = with_a_node_pushed(block), forces = block.free_forces(u);
-            const auto relaxed = LocalRelaxation(block.body, block.prescribed).relaxed(u, forces);
+            const auto relaxed = LocalRelaxation(block.body, block.prescribed).relax(u, forces);
             ASSERT_TRUE(relaxed);
             constexpr double kAtRestMm = 1e-3; // the relaxation ends at a thousandth of the force
             EXPECT_LT((*relaxed - block.stretched).lpNorm<Eigen::Infinity>(), kAtRestMm) << ten_nodes;
@@ -76,7 +77,7 @@ namespace local_relaxation_test {
     {
         const Block block;
         const Eigen::VectorXd u = with_a_node_pushed(block);
-        const auto relaxed = LocalRelaxation(block.body, block.prescribed).relaxed(u, block.free_forces(u));
+        const auto relaxed = LocalRelaxation(block.body, block.prescribed).relax(u, block.free_forces(u));
         ASSERT_TRUE(relaxed);
         constexpr double kTwoRingsMm = 3.5; // the node's neighbours have large forces too, and move theirs
         int moved = 0;
@@ -85,7 +86,7 @@ namespace local_relaxation_test {
                 continue;
             ++moved;
             EXPECT_LE(
-                (block.mesh.vertices.row(v) - Eigen::RowVector3d(3.0, 3.0, 3.0)).cwiseAbs().maxCoeff(), kTwoRingsMm);
+                (block.mesh.vertices.row(v) - Eigen::RowVector3d(4.0, 4.0, 4.0)).cwiseAbs().maxCoeff(), kTwoRingsMm);
             EXPECT_EQ(block.prescribed[static_cast<std::size_t>(3 * v)], 0);
         }
         EXPECT_GT(moved, 0);
@@ -97,14 +98,14 @@ namespace local_relaxation_test {
         std::vector<double> bed(block.mesh.vertex_count(), 1e-3);
         block.body.set_bed(bed);
         const Eigen::VectorXd u = with_a_node_pushed(block);
-        EXPECT_FALSE(LocalRelaxation(block.body, block.prescribed).relaxed(u, block.free_forces(u)));
+        EXPECT_FALSE(LocalRelaxation(block.body, block.prescribed).relax(u, block.free_forces(u)));
         std::fill(bed.begin(), bed.end(), 0.0);
-        const Eigen::Index pushed = block.node_at(Vec3(3.0, 3.0, 3.0));
+        const Eigen::Index pushed = block.node_at(Vec3(4.0, 4.0, 4.0));
         bed[static_cast<std::size_t>(pushed)] = 1e-3;
         block.body.set_bed(bed);
         const auto touched = block.body.touched_nodes(u);
         EXPECT_EQ(std::accumulate(touched.begin(), touched.end(), 0), 1);
-        const auto relaxed = LocalRelaxation(block.body, block.prescribed).relaxed(u, block.free_forces(u));
+        const auto relaxed = LocalRelaxation(block.body, block.prescribed).relax(u, block.free_forces(u));
         ASSERT_TRUE(relaxed); // the neighbours move, the node itself does not
         EXPECT_EQ((*relaxed - u).segment<3>(3 * pushed).norm(), 0.0);
     }
@@ -113,13 +114,33 @@ namespace local_relaxation_test {
     {
         const Block block(true);
         const LocalRelaxation relaxation(block.body, block.prescribed);
-        EXPECT_FALSE(relaxation.relaxed(block.stretched, Eigen::VectorXd::Zero(block.stretched.size())));
+        EXPECT_FALSE(relaxation.relax(block.stretched, Eigen::VectorXd::Zero(block.stretched.size())));
         Eigen::VectorXd u = block.stretched;
         for (Eigen::Index i = 0; i < u.size(); ++i)
             if (block.prescribed[static_cast<std::size_t>(i)] == 0)
                 u[i] += i % 2 == 0 ? 0.1 : -0.1;
-        EXPECT_FALSE(relaxation.relaxed(u, block.free_forces(u)));
-        EXPECT_FALSE(LocalRelaxation::is_worth_it(block.body)); // it is hardly larger than a part
+        EXPECT_FALSE(relaxation.relax(u, block.free_forces(u)));
+    }
+
+    TEST(LocalRelaxation, NewtonsMethodEndsAtTheSameEquilibriumInFewerSteps)
+    {
+        Block with(true), without(true);
+        const Eigen::VectorXd start = with_a_node_pushed(with);
+        EquilibriumOptions options;
+        options.load_steps = 1;
+        options.tolerance = 1e-8;
+        const auto solve = [&](Block& block) {
+            return EquilibriumSolver().solve(block.body, block.prescribed, start, start, options, Job {});
+        };
+        const Equilibrium plain = solve(without);
+        options.relax_locally_from = 0;
+        const Equilibrium relaxed = solve(with);
+        ASSERT_EQ(plain.status, EquilibriumStatus::converged);
+        ASSERT_EQ(relaxed.status, EquilibriumStatus::converged);
+        constexpr double kSameMm = 1e-6;
+        EXPECT_LT((relaxed.displacement - plain.displacement).lpNorm<Eigen::Infinity>(), kSameMm);
+        EXPECT_LT((relaxed.displacement - with.stretched).lpNorm<Eigen::Infinity>(), kSameMm);
+        EXPECT_LE(relaxed.newton_iterations, plain.newton_iterations);
     }
 
     TEST(LocalRelaxation, APartHasTheEnergyOfItsElements)

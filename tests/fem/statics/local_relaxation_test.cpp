@@ -122,7 +122,7 @@ namespace local_relaxation_test {
         EXPECT_FALSE(relaxation.relax(u, block.free_forces(u)));
     }
 
-    TEST(LocalRelaxation, NewtonsMethodEndsAtTheSameEquilibriumInFewerSteps)
+    TEST(LocalRelaxation, NewtonsMethodEndsAtTheSameEquilibriumInNoMoreSteps)
     {
         Block with(true), without(true);
         const Eigen::VectorXd start = with_a_node_pushed(with);

@@ -1,6 +1,7 @@
 #include "mesh/surface/proximity.h"
 
 #include "mesh/base/error.h"
+#include "tests/mesh/surface/scattered_triangles.h"
 
 #include <gtest/gtest.h>
 
@@ -44,29 +45,10 @@ namespace proximity_test {
         EXPECT_NEAR(closest_on_triangle({ 3.0, 4.0, 0.0 }, kA, kA, kA).distance, 5.0, kRoundOff);
     }
 
-    /// Small triangles in a cube of 20 mm, and some large ones through it.
-    TriMesh scattered(std::mt19937& random)
-    {
-        std::uniform_real_distribution<double> place(0.0, 20.0), small(-1.0, 1.0);
-        TriMesh mesh;
-        constexpr int kCount = 300;
-        mesh.vertices.resize(3 * kCount, 3);
-        for (int t = 0; t < kCount; ++t) {
-            const Vec3 middle(place(random), place(random), place(random));
-            for (int i = 0; i < 3; ++i)
-                mesh.vertices.row(3 * t + i)
-                    = (t % 50 == 0 ? Vec3(place(random), place(random), place(random))
-                                   : Vec3(middle + Vec3(small(random), small(random), small(random))))
-                          .transpose();
-            mesh.triangles.push_back({ 3 * t, 3 * t + 1, 3 * t + 2 });
-        }
-        return mesh;
-    }
-
     TEST(Proximity, FindsWhatATestOfAllTrianglesFinds)
     {
         std::mt19937 random(4711);
-        const TriMesh mesh = scattered(random);
+        const TriMesh mesh = test_support::scattered_triangles(300, random);
         std::uniform_real_distribution<double> place(-4.0, 24.0);
         for (const double reach : { 0.3, 2.0, 9.0 }) {
             const TriangleProximity near(mesh.vertices, mesh.triangles, reach);

@@ -2,6 +2,7 @@
 
 #include "mesh/base/triangle.h"
 #include "mesh/surface/proximity.h"
+#include "tests/mesh/surface/scattered_triangles.h"
 
 #include <gtest/gtest.h>
 
@@ -10,26 +11,6 @@
 
 namespace retractor::mesh {
 namespace triangle_hierarchy_test {
-
-    constexpr double kSideMm = 20.0;
-
-    /// Small triangles in a cube; every fiftieth is as large as the cube.
-    TriMesh scattered(int count, std::mt19937& random)
-    {
-        std::uniform_real_distribution<double> place(0.0, kSideMm), small(-1.0, 1.0);
-        TriMesh mesh;
-        mesh.vertices.resize(3 * count, 3);
-        for (int t = 0; t < count; ++t) {
-            const Vec3 middle(place(random), place(random), place(random));
-            for (int i = 0; i < 3; ++i)
-                mesh.vertices.row(3 * t + i)
-                    = (t % 50 == 0 ? Vec3(place(random), place(random), place(random))
-                                   : Vec3(middle + Vec3(small(random), small(random), small(random))))
-                          .transpose();
-            mesh.triangles.push_back({ 3 * t, 3 * t + 1, 3 * t + 2 });
-        }
-        return mesh;
-    }
 
     bool is_even(std::int32_t triangle) { return triangle % 2 == 0; }
 
@@ -49,7 +30,7 @@ namespace triangle_hierarchy_test {
     /// @return the number of searches that found a triangle
     int compare_searches(const TriangleHierarchy& hierarchy, const TriMesh& mesh, std::mt19937& random)
     {
-        std::uniform_real_distribution<double> place(-3.0, kSideMm + 3.0), any(-1.0, 1.0), reach(0.0, 6.0);
+        std::uniform_real_distribution<double> place(-3.0, 23.0), any(-1.0, 1.0), reach(0.0, 6.0);
         int found = 0;
         for (int i = 0; i < 500; ++i) {
             const TriangleHierarchy::Query query { Vec3(place(random), place(random), place(random)), reach(random),
@@ -69,7 +50,7 @@ namespace triangle_hierarchy_test {
     {
         std::mt19937 random(7);
         for (const int count : { 1, 4, 5, 700 }) {
-            TriMesh mesh = scattered(count, random);
+            TriMesh mesh = test_support::scattered_triangles(count, random);
             TriangleHierarchy hierarchy(mesh.vertices, mesh.triangles);
             int found = compare_searches(hierarchy, mesh, random);
             std::uniform_real_distribution<double> motion(-8.0, 8.0);

@@ -31,8 +31,9 @@ namespace {
     /// State and clocks of the Newton iteration during one call of EquilibriumSolver::solve.
     class Newton {
     public:
+        /// @param is_first whether the body has not been solved before
         Newton(ElasticBody& body, ConstrainedSolver& solver, const EquilibriumOptions& options, const Job& job,
-            Equilibrium& result, std::size_t& pattern, bool& assembled)
+            Equilibrium& result, std::size_t& pattern, bool& assembled, bool is_first)
             : body_(body)
             , solver_(solver)
             , options_(options)
@@ -41,6 +42,7 @@ namespace {
             , pattern_(pattern)
             , assembled_(assembled)
             , stiffest_(largest_diagonal(body.last_stiffness()))
+            , guesses_friction_(is_first)
         {
         }
 
@@ -200,14 +202,27 @@ namespace {
         /// Iterates as iterate(), and renews the friction of the blades on the way: the state before needs no rest.
         Outcome begin_friction(double tolerance, int max_iterations)
         {
-            constexpr double kRoughly = 0.2; // residual of tissue that sticks, where the friction is not known yet
+            constexpr double kRoughly = 0.2; // residual of a state whose friction is not known yet
             if (body_.blades() != nullptr && tolerance < kRoughly) {
+                const bool is_guessed = std::exchange(guesses_friction_, false) && guess_friction();
                 if (const Outcome outcome = iterate(kRoughly, max_iterations); outcome != Outcome::converged)
                     return outcome;
-                body_.renew_blades(u_, kFrictionShare);
+                body_.renew_blades(u_, is_guessed ? 1.0 : kFrictionShare);
                 state_ = respond(u_);
             }
             return iterate(tolerance, max_iterations);
+        }
+
+        /// Takes the friction of a first opening from the blades' forces at the present state: from a start near the
+        /// answer this saves the steps of tissue that sticks. @return whether a blade bears anything
+        bool guess_friction()
+        {
+            if (std::ranges::none_of(
+                    body_.blades()->bearing(u_), [](const BladeBearing& blade) { return blade.force_N > 0.0; }))
+                return false;
+            body_.renew_blades(u_);
+            state_ = respond(u_);
+            return true;
         }
 
         /// Renews the friction of the blades until it belongs to the state. A part of a change is made at a time:
@@ -290,7 +305,7 @@ namespace {
         /// Whether the energy tolerance may end an iteration here.
         bool is_rough() const
         {
-            constexpr double kRough = 0.02, kOfTolerance = 5.0; // residual
+            constexpr double kRough = 0.05, kOfTolerance = 50.0; // residual
             return options_.energy_tolerance > 0.0 && body_.blades() != nullptr
                 && result_.residual <= std::max(kRough, kOfTolerance * options_.tolerance);
         }
@@ -614,6 +629,7 @@ namespace {
         bool& assembled_;
         double stiffest_; ///< largest diagonal entry of the stiffness, N/mm
         double reach_ = 0.0; ///< mm: largest displacement of a start state
+        bool guesses_friction_; ///< the friction of the blades is not known yet
         double largest_load_ = 0.0; ///< largest nodal load, N
         std::optional<LocalRelaxation> locally_; ///< set when it is needed first
         Eigen::VectorXd u_;
@@ -865,6 +881,7 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
     RETRACTOR_ASSERT(prescribed.size() == 3 * body.mesh().vertex_count());
     RETRACTOR_ASSERT(target.size() == start.size() && prescribed.size() == static_cast<std::size_t>(start.size()));
     Equilibrium result;
+    const bool is_first = !assembled_;
     const bool other_pairs = body.contact() != nullptr && body.find_contact(start);
     if (!assembled_ || other_pairs || body.patterns_made() == 0) {
         const Stopwatch watch;
@@ -882,7 +899,7 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
         solver_->change_pattern();
         pattern_ = body.patterns_made();
     }
-    Newton newton(body, *solver_, options, job, result, pattern_, assembled_);
+    Newton newton(body, *solver_, options, job, result, pattern_, assembled_, is_first);
     if (body.has_loads())
         body.set_load_share(body.model() == Elasticity::linear ? 1.0 : options.load_at_start);
     newton.start_from(start);

@@ -54,12 +54,12 @@ struct EquilibriumOptions {
     int max_newton_iterations = 40; ///< at full load; intermediate states take a few iterations
     double tolerance = 1e-5; ///< largest residual force of a free node over the largest force or load of any node
     /// With blades: an iteration also ends where its last step lowers the energy by at most this share, and changes the
-    /// energy between blades and tissue by at most the square root of it, at a residual of at most 0.02 or five
+    /// energy between blades and tissue by at most the square root of it, at a residual of at most 0.05 or fifty
     /// tolerances. So does the search for the pairs of a contact, where other pairs change no more. 0: only the
-    /// residual counts. Forces of
-    /// prescribed nodes are then known to about the square root: an error of the state with the energy e changes them
-    /// by at most sqrt(e / energy) in a linear body (Cauchy's and Schwarz's inequality). Slivers at the tip of a cut
-    /// keep a residual over many steps that change no force of a blade.
+    /// residual counts. Forces of prescribed nodes are then known to about the square root: an error of the state with
+    /// the energy e changes them by at most sqrt(e / energy) in a linear body (Cauchy's and Schwarz's inequality).
+    /// Slivers at the tip of a cut, and tissue that a blade crushes, keep a residual over many steps that change no
+    /// force of a blade.
     double energy_tolerance = 0.0;
     double load_at_start = 0.0; ///< share of the body's loads that acts on the start state
     /// Least number of nodes of a body without loads in which nodes with large residual forces are brought to rest

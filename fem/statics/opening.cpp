@@ -295,6 +295,13 @@ void Opening::set_load_steps(int least)
     state_->options.load_steps = least;
 }
 
+void Opening::set_max_newton_iterations(int most)
+{
+    if (most < 1)
+        throw InputError("opening needs at least one Newton iteration");
+    state_->options.max_newton_iterations = most;
+}
+
 void Opening::set_tolerance(double tolerance, double energy_tolerance)
 {
     check_tolerances(tolerance, energy_tolerance);

@@ -56,6 +56,10 @@ public:
     /// @throws InputError on less than one step
     void set_load_steps(int least);
 
+    /// Changes OpeningOptions::max_newton_iterations for the openings that follow.
+    /// @throws InputError on less than one iteration
+    void set_max_newton_iterations(int most);
+
     /// Changes OpeningOptions::tolerance and energy_tolerance for the openings that follow: on the way to an answer
     /// rough ones are enough.
     /// @throws InputError on a tolerance that is not between 0 and 1; the second may be 0

@@ -286,6 +286,41 @@ namespace blade_opening_test {
         EXPECT_THROW((void)opened(-1.0), InputError);
     }
 
+    TEST(BladeOpening, AnOpeningThatBeginsAtItsAnswerStaysThere)
+    {
+        const SlottedBlock block(5.0);
+        ElasticProblem problem = block.problem;
+        for (std::size_t k = 0; k < 2; ++k)
+            problem.hooks[k].displacement = Vec3(k == 0 ? -4.0 : 4.0, 0.0, 0.0);
+        for (BladeSurface& blade : problem.blades)
+            blade.friction = 0.3;
+        const OpeningOptions options { .elasticity = Elasticity::corotational, .tolerance = 1e-5 };
+        const OpeningResult first = Opening(problem, options).open(problem.hooks);
+        ASSERT_EQ(first.status, OpeningStatus::converged) << first.message;
+        Opening opening(problem, options);
+        opening.start_from(first.displacement);
+        const OpeningResult again = opening.open(problem.hooks);
+        ASSERT_EQ(again.status, OpeningStatus::converged) << again.message;
+        EXPECT_LT((again.displacement - first.displacement).rowwise().norm().maxCoeff(), 0.05); // mm, of 4
+        constexpr double kFrictionError = 0.005; // of the blades' force (equilibrium.cpp)
+        EXPECT_NEAR(
+            again.hook_forces_N[1].x(), first.hook_forces_N[1].x(), 2.0 * kFrictionError * first.hook_forces_N[1].x());
+    }
+
+    TEST(BladeOpening, TooFewIterationsAreSaid)
+    {
+        const SlottedBlock block(5.0);
+        ElasticProblem problem = block.problem;
+        for (std::size_t k = 0; k < 2; ++k)
+            problem.hooks[k].displacement = Vec3(k == 0 ? -4.0 : 4.0, 0.0, 0.0);
+        Opening opening(problem, { .elasticity = Elasticity::corotational, .tolerance = 1e-9 });
+        EXPECT_THROW(opening.set_max_newton_iterations(0), InputError);
+        opening.set_max_newton_iterations(1);
+        EXPECT_EQ(opening.open(problem.hooks).status, OpeningStatus::not_converged);
+        opening.set_max_newton_iterations(40);
+        EXPECT_EQ(opening.open(problem.hooks).status, OpeningStatus::converged);
+    }
+
     TEST(BladeOpening, TheErrorEstimateUsesTheSameContact)
     {
         const SlottedBlock block(5.0);

@@ -283,7 +283,7 @@ namespace {
     void clear_at_lips(const mesh::TetMesh& mesh, const std::vector<std::uint8_t>& bone,
         const std::vector<std::uint8_t>& on_lips, std::vector<std::uint8_t>& marked)
     {
-        constexpr double kFlat = 0.15; // ratio_to_regular(): one soft element in fifty of a chest's wound is flatter
+        constexpr double kFlat = 0.15; // ratio_to_regular(): fewer than one soft element in fifty at a chest's lips
         const auto edges = [&](TetId t) {
             const auto corners = mesh.tet(t);
             return mesh::edge_keys({ corners[0], corners[1], corners[2], corners[3] });

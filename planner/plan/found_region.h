@@ -1,7 +1,7 @@
 #pragma once
-// Finds how much of the wall a plan must mesh: as far as the tissue moves. A wound's ribs turn from spine to sternum,
-// and carry skin and muscle far from the incision with them. Where the model ends nothing holds its tissue, so a model
-// that ends too early bears less than the body. A draft of the whole wall, with long edges and linear four-node
+// Finds how much of a large wall a plan must mesh: as far as the tissue moves. A wound's ribs turn from spine to
+// sternum, and carry skin and muscle far from the incision with them. Where the model ends nothing holds its tissue, so
+// a model that ends too early bears less than the body. A draft of the whole wall, with long edges and linear four-node
 // elements, shows where tissue moves; a second draft shows what the wall beyond does to the force. Units mm, N; forces
 // as fractions.
 
@@ -37,6 +37,10 @@ struct FoundRegion {
 
 /// A region grows by this factor while its rim moves too far, and shrinks by it where it does not fit the memory.
 inline constexpr double kRegionGrowth = 1.5;
+
+/// A wall that lies within this distance of the incision is meshed whole. A chest's wall does: beyond 30 mm it is
+/// coarse, so that its mesh costs less than the drafts that would make it smaller (docs/method/meshing.md).
+inline constexpr double kWholeWallMm = 450.0;
 
 /// Finds the smallest region whose rim moves less than kStillRimMm, by two to four drafts.
 /// @param whole_mm a region that holds the whole wall

@@ -696,17 +696,25 @@ namespace {
             .force_N = std::max(sides[0], sides[1]) };
     }
 
-    /// A region that holds the whole image.
-    double whole_region_mm(const mesh::ImageGrid& grid, const std::vector<Vec3>& line)
+    /// A region that holds the box of the wall's voxels.
+    double whole_region_mm(const mesh::LabelVolume& labels, const std::vector<Vec3>& line)
     {
+        const mesh::LabelFlags in_wall = mesh::flagged_labels(labels.table, mesh::is_wall);
+        Eigen::AlignedBox3d box;
+        std::size_t voxel = 0;
+        for (int k = 0; k < labels.grid.size[2]; ++k)
+            for (int j = 0; j < labels.grid.size[1]; ++j)
+                for (int i = 0; i < labels.grid.size[0]; ++i)
+                    if (in_wall[labels.voxels[voxel++]] != 0)
+                        box.extend(Vec3(i, j, k));
         double farthest = 0.0;
-        for (int corner = 0; corner < 8; ++corner) {
+        for (int corner = 0; corner < 8 && !box.isEmpty(); ++corner) {
             Vec3 index;
             for (int axis = 0; axis < 3; ++axis)
-                index[axis] = (corner >> axis & 1) != 0 ? grid.size[static_cast<std::size_t>(axis)] : -1.0;
-            farthest = std::max(farthest, polyline_distance(line, grid.world(index)));
+                index[axis] = (corner >> axis & 1) != 0 ? box.max()[axis] + 1.0 : box.min()[axis] - 1.0;
+            farthest = std::max(farthest, polyline_distance(line, labels.grid.world(index)));
         }
-        return std::ceil(farthest);
+        return std::max(std::ceil(farthest), kFirstRegionMm);
     }
 
     /// The approach with its wall meshed and cut, which does not depend on the stiffness of the tissue.
@@ -761,20 +769,23 @@ namespace {
                 field, wound, planned_case.solution, planned_case.label_table, patient.frame(), job);
     }
 
-    FoundRegion find_region_of(
-        Patient& patient, const Approach& approach, std::optional<double> memory_bytes, const Job& job)
+    FoundRegion find_region_of(Patient& patient, const Approach& approach, const PlanChecks& checks, const Job& job)
     {
+        const double whole_mm = whole_region_mm(*patient.labels(), approach.incision);
+        if (whole_mm <= checks.whole_wall_mm)
+            return { .region_mm = whole_mm, .measures = { .ended_by = RegionEnd::whole } };
         const Stopwatch watch;
         Approach prepared = approach;
         prepare(prepared, patient);
-        FoundRegion found = find_region(whole_region_mm(patient.labels()->grid, prepared.incision),
-            [&](double region_mm) { return draft_of_region(patient, prepared, region_mm, memory_bytes, job); });
+        FoundRegion found = find_region(whole_mm, [&](double region_mm) {
+            return draft_of_region(patient, prepared, region_mm, checks.memory_bytes, job);
+        });
         found.measures.seconds = watch.seconds();
         return found;
     }
 
-    /// Plans one approach once, or on finer and finer meshes where an accuracy is asked.
-    PlannedField plan_with_region(
+    /// Plans one approach, with its region known, once, or on finer and finer meshes where an accuracy is asked.
+    PlannedField plan_as_accurately_as_asked(
         Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks, const Stopwatch& watch)
     {
         if (!checks.accuracy)
@@ -817,40 +828,6 @@ namespace {
         return planned;
     }
 
-    /// Finds the region of an approach that gives none, and plans the approach with it. A region whose plan does not
-    /// fit the memory is made smaller.
-    PlannedField plan_as_accurately_as_asked(
-        Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks)
-    {
-        const Stopwatch watch;
-        if (!checks.find_region || approach.sizing.region_mm)
-            return plan_with_region(patient, approach, job, checks, watch);
-        check_approach(approach);
-        check_plausible(patient.planned_case(), approach);
-        FoundRegion found = find_region_of(patient, approach, checks.memory_bytes, job);
-        while (!found.cancelled) {
-            Approach with_region = approach;
-            with_region.sizing = found_sizing(approach.sizing, found.region_mm);
-            try {
-                PlannedField field = plan_with_region(patient, with_region, job, checks, watch);
-                RegionMetrics& region = field.metrics.region;
-                region.ended_by = found.measures.ended_by;
-                region.message = found.measures.message;
-                region.drafts = found.measures.drafts;
-                region.force_change = found.measures.force_change;
-                region.seconds = found.measures.seconds;
-                return field;
-            } catch (const MemoryRefusal&) {
-                if (!shrink_region(found))
-                    throw;
-            }
-        }
-        PlannedField field;
-        field.approach = approach;
-        field.status = PlanStatus::cancelled;
-        return field;
-    }
-
 } // namespace
 
 void check_plan(const Case& planned_case, const PlanChecks& checks)
@@ -876,6 +853,37 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     if (mesh_and_cut(made, patient, approach, job, checks))
         open_and_measure(made, wound, patient, nullptr, job, checks);
     return std::move(made.field);
+}
+
+PlannedField plan_in_region(Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks)
+{
+    const Stopwatch watch;
+    if (!checks.find_region || approach.sizing.region_mm)
+        return plan_as_accurately_as_asked(patient, approach, job, checks, watch);
+    check_approach(approach);
+    check_plausible(patient.planned_case(), approach);
+    FoundRegion found = find_region_of(patient, approach, checks, job);
+    while (!found.cancelled) {
+        Approach with_region = approach;
+        with_region.sizing = found_sizing(approach.sizing, found.region_mm);
+        try {
+            PlannedField field = plan_as_accurately_as_asked(patient, with_region, job, checks, watch);
+            RegionMetrics& region = field.metrics.region;
+            region.ended_by = found.measures.ended_by;
+            region.message = found.measures.message;
+            region.drafts = found.measures.drafts;
+            region.force_change = found.measures.force_change;
+            region.seconds = found.measures.seconds;
+            return field;
+        } catch (const MemoryRefusal&) {
+            if (!shrink_region(found))
+                throw;
+        }
+    }
+    PlannedField field;
+    field.approach = approach;
+    field.status = PlanStatus::cancelled;
+    return field;
 }
 
 void plan_samples(Patient& patient, const Approach& approach, std::span<const StiffnessFactors> samples,
@@ -954,7 +962,7 @@ namespace {
         const auto work = [&] {
             for (std::size_t i = next.fetch_add(1); i < approaches.size(); i = next.fetch_add(1)) {
                 try {
-                    all.fields[i] = plan_as_accurately_as_asked(patient, approaches[i], job, shared);
+                    all.fields[i] = plan_in_region(patient, approaches[i], job, shared);
                     if (shared.injury_options)
                         all.divided[i] = plan_with_divided_bone(patient, approaches[i], all.fields[i], job, shared);
                 } catch (const InputError& error) {

@@ -8,6 +8,7 @@
 #include "planner/case/patient.h"
 #include "planner/case/solver_settings.h"
 #include "planner/case/stiffness_factors.h"
+#include "planner/plan/found_region.h"
 #include "planner/plan/planned_field.h"
 
 #include <cstddef>
@@ -25,15 +26,18 @@ struct PlanChecks {
     bool linear_region = false;
     bool error_bars = true; ///< Estimates the discretisation error. A draft does without.
     bool draft = false; ///< Records that the caller asked for a quick plan (SolutionMetrics::draft); changes nothing.
-    /// plan_all() plans each approach on finer meshes until its error bars are this small (accurate_plan.h); not set:
-    /// once. plan_approach() plans once.
+    /// plan_in_region() plans on finer meshes until the error bars are this small (accurate_plan.h); not set: once.
+    /// plan_approach() plans once.
     std::optional<AccuracyGoal> accuracy {};
     /// Also solves the largest uninjured opening where a bone would break (uninjured_opening.h); plan_all() then plans
     /// such an approach once more with this bone divided, and puts this field behind that of the approach.
     bool injury_options = false;
-    /// plan_all() finds the region of approaches that give none (found_region.h), once for all meshes of an approach;
-    /// otherwise it has kFirstRegionMm. plan_approach() takes the region as it is.
+    /// plan_in_region() finds the region of an approach that gives none, once for all its meshes; otherwise the region
+    /// is kFirstRegionMm. plan_approach() takes the region as it is.
     bool find_region = false;
+    /// A wall that lies within this distance of the incision is meshed whole, mm; of a larger one drafts show how much
+    /// moves (found_region.h).
+    double whole_wall_mm = kWholeWallMm;
     /// Memory that one plan may take, bytes; not set: all that is available. plan_all() divides what is available
     /// among the plans that run at the same time.
     std::optional<double> memory_bytes {};
@@ -50,6 +54,12 @@ void check_plan(const Case& planned_case, const PlanChecks& checks);
 /// MemoryRefusal (an InputError) on a mesh whose plan does not fit into the memory; SolverError on a body that cannot
 /// be solved
 PlannedField plan_approach(
+    Patient& patient, const Approach& approach, const Job& job = {}, const PlanChecks& checks = {});
+
+/// Plans one approach as plan_approach() does, with its region found and as accurately as the checks ask. A region whose
+/// plan does not fit the memory is made smaller.
+/// @throws as plan_approach()
+PlannedField plan_in_region(
     Patient& patient, const Approach& approach, const Job& job = {}, const PlanChecks& checks = {});
 
 /// One of several plans, of which others may have an answer where this one has none.

@@ -49,7 +49,7 @@ namespace {
         StageTimes times = std::move(made->seconds);
         Stopwatch watch;
         planner::Patient patient(planned_case, job);
-        std::vector<planner::PlannedField> fields = plan_all(patient, job);
+        std::vector<planner::PlannedField> fields = plan_all(patient, job, { .find_region = true });
         refuse_if_cancelled(job);
         times.emplace_back("plan", watch.seconds());
         watch = {};

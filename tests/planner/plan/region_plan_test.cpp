@@ -64,9 +64,32 @@ namespace region_plan_test {
             planned_case.approaches.front().sizing.region_mm = region_mm;
             planned_case.approaches.front().sizing.mesh_seed = seed;
             Patient patient(planned_case);
-            return plan_all(patient, {}, { .error_bars = false, .find_region = true }).front();
+            return plan_all(patient, {}, { .error_bars = false, .find_region = true, .whole_wall_mm = whole_wall_mm })
+                .front();
         }
+
+        double whole_wall_mm = 0.0; ///< all walls count as large ones
     };
+
+    TEST(RegionPlan, AWallThatIsNotLargeIsMeshedWholeWithoutDrafts)
+    {
+        Cut cut("whole");
+        cut.whole_wall_mm = kWholeWallMm;
+        const PlannedField found = cut.plan({}, 0);
+        ASSERT_EQ(found.status, PlanStatus::done) << found.message;
+        const RegionMetrics& region = found.metrics.region;
+        EXPECT_EQ(region.ended_by, RegionEnd::whole);
+        EXPECT_EQ(region.drafts, 0);
+        EXPECT_EQ(region.rim_motion_mm, 0.0);
+        EXPECT_FALSE(region.force_change.has_value());
+        // The region that drafts find bears nearly as much as the whole wall.
+        cut.whole_wall_mm = 0.0;
+        const PlannedField drafted = cut.plan({}, 0);
+        constexpr double kMeshChance = 0.08; // between meshes of these edges
+        EXPECT_GE(drafted.metrics.region.drafts, 1);
+        EXPECT_NEAR(drafted.metrics.hook_force_N, found.metrics.hook_force_N,
+            (drafted.metrics.region.force_change.value_or(0.0) + kMeshChance) * found.metrics.hook_force_N);
+    }
 
     TEST(RegionPlan, TheRimOfALargerRegionMovesLessAndAFoundRegionHoldsWhatMoves)
     {

@@ -350,7 +350,7 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
                 return { .message = {}, .field = pictures_of(*patient, saved->field) };
         } catch (const Error&) { // damaged: the new plan takes its place
         }
-        const planner::PlannedField field = planner::plan_approach(*patient, approach, job);
+        const planner::PlannedField field = planner::plan_in_region(*patient, approach, job, { .find_region = true });
         switch (field.status) {
         case planner::PlanStatus::done:
         case planner::PlanStatus::not_converged:

@@ -328,6 +328,34 @@ namespace {
         return {};
     }
 
+    /// The files of the opened wounds for other programs.
+    struct Decks {
+        std::string text; ///< a line for each: its file, or why it is not written
+        bool all_written = true;
+    };
+
+    /// Writes a deck of each measured field. What a format cannot hold does not stop the others.
+    Decks write_decks(const std::vector<std::string>& formats, const std::vector<planner::PlannedField>& fields,
+        const StagedResults& staged)
+    {
+        Decks decks;
+        for (const std::string& format : formats)
+            for (const planner::PlannedField& field : fields) {
+                if (!planner::is_measured(field))
+                    continue;
+                const std::string& name = field.approach.name;
+                try {
+                    const fs::path deck = export_problem(as_solved(field), format, staged.folder(), name);
+                    decks.text += staged.published(deck).string() + export_remark(format, field) + "\n";
+                } catch (const InputError& error) {
+                    decks.text += name + " is not written for " + (format == "feb" ? "FEBio" : "CalculiX") + ": "
+                        + error.what() + " (" + error.where() + ")\n";
+                    decks.all_written = false;
+                }
+            }
+        return decks;
+    }
+
     Outcome plan(const PlanOptions& options, const Job& job)
     {
         // Missing programs and wrong options are reported before the long work.
@@ -340,15 +368,7 @@ namespace {
         computed.stiffness = planner::stiffness_text(patient.stiffness_factors());
         StagedResults staged(folder);
         write_field_meshes(staged.folder(), patient, fields);
-        std::string exported;
-        for (const std::string& format : formats)
-            for (const planner::PlannedField& field : fields)
-                if (planner::is_measured(field))
-                    exported += staged
-                                    .published(
-                                        export_problem(as_solved(field), format, staged.folder(), field.approach.name))
-                                    .string()
-                        + export_remark(format, field) + "\n";
+        const Decks decks = write_decks(formats, fields, staged);
         if (!ccx.empty())
             ask_for_second_opinions(options, ccx, fields, job);
         if (options.render) {
@@ -361,7 +381,7 @@ namespace {
         const std::vector<std::string> kept = keep_earlier_metrics(folder, staged.folder(), fields);
         outcome.document = write_metrics(staged.folder(), computed, patient, fields);
         staged.publish("metrics.json");
-        outcome.text = field_table(fields) + exported;
+        outcome.text = field_table(fields) + decks.text;
         if (!options.accuracy && !options.time_s
             && options.stiffness.empty()) // a plan that was hurried takes no better one's place
             outcome.text += save_plans(in_file, patient.planned_case(), fields);
@@ -372,7 +392,7 @@ namespace {
         }
         if (const fs::path report = folder / "report.html"; !options.render && fs::exists(report))
             outcome.text += report.string() + " and its pictures show an earlier plan (add --render to renew them)\n";
-        outcome.exit_code = exit_code_of(fields);
+        outcome.exit_code = decks.all_written ? exit_code_of(fields) : 1;
         return outcome;
     }
 

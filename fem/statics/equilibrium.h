@@ -33,7 +33,8 @@
 // the message names the share of the motion.
 //
 // Blades (ElasticBody::set_blades) move before the tissue follows. A step is therefore linearised with the places that
-// the blades will touch. Fading and friction of the blades are renewed at each Newton step, as follower loads are.
+// the blades will touch. Friction of the blades is renewed between iterations that ended (settle_blades()); fading is
+// that of the tissue at rest.
 
 #include "fem/linear_algebra/constrained_solver.h"
 #include "fem/model/elastic_body.h"

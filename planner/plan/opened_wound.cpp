@@ -11,6 +11,7 @@
 #include "planner/approach/retractors.h"
 #include "planner/plan/contact_where_needed.h"
 #include "planner/wall/supports.h"
+#include "planner/wall/ten_node_elements.h"
 #include "planner/wall/wall_pressure.h"
 
 #include <Eigen/Geometry>
@@ -19,8 +20,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <numbers>
-#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -70,15 +69,6 @@ namespace {
         }
     }
 
-    Points lip_points(const PlannedField& field)
-    {
-        std::set<VertexId> vertices;
-        for (const mesh::LipFace& lip : field.lips)
-            for (const VertexId v : mesh::face_vertices(field.wall, lip.face))
-                vertices.insert(v);
-        return field.wall.vertices(std::vector<VertexId>(vertices.begin(), vertices.end()), Eigen::all);
-    }
-
     /// Material name and hyperelastic law of each material of the wall, each pair once.
     std::vector<std::pair<std::string, std::string>> laws_of(const fem::ElasticProblem& problem)
     {
@@ -109,7 +99,7 @@ bool has_condensed_region(const PlannedField& field) { return field.opening.far 
 std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_mm)
 {
     const mesh::TetMesh& mesh = field.problem.mesh;
-    std::vector<std::uint8_t> near = fem::elements_near(mesh, lip_points(field), near_mm);
+    std::vector<std::uint8_t> near = fem::elements_near(mesh, lip_points(field.wall, field.lips), near_mm);
     std::vector<std::uint8_t> seeds(mesh.vertex_count(), 0);
     for (const fem::HookPatch& hook : field.problem.hooks)
         for (const VertexId v : hook.nodes)
@@ -211,56 +201,6 @@ namespace {
         return all;
     }
 
-    /// Marks the vertices of the front of the cut, where the two lips meet.
-    std::vector<std::uint8_t> vertices_of_cut_front(const PlannedField& field)
-    {
-        std::array<std::vector<std::uint8_t>, 2> on_lip;
-        on_lip.fill(std::vector<std::uint8_t>(field.wall.vertex_count(), 0));
-        for (const mesh::LipFace& lip : field.lips)
-            if (lip.side != 0)
-                for (const VertexId v : mesh::face_vertices(field.wall, lip.face))
-                    on_lip[lip.side > 0 ? 1 : 0][static_cast<std::size_t>(v)] = 1;
-        std::vector<std::uint8_t> front(field.wall.vertex_count(), 0);
-        std::ranges::transform(on_lip[0], on_lip[1], front.begin(), std::bit_and<>());
-        return front;
-    }
-
-    /// Marks the elements that have a marked vertex.
-    std::vector<std::uint8_t> elements_touching(const mesh::TetMesh& mesh, const std::vector<std::uint8_t>& vertices)
-    {
-        std::vector<std::uint8_t> marked(mesh.tet_count(), 0);
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            for (const VertexId v : mesh.tet(t))
-                marked[static_cast<std::size_t>(t)] |= vertices[static_cast<std::size_t>(v)];
-        return marked;
-    }
-
-    /// Marks the vertices of marked elements.
-    std::vector<std::uint8_t> vertices_of(const mesh::TetMesh& mesh, const std::vector<std::uint8_t>& elements)
-    {
-        std::vector<std::uint8_t> marked(mesh.vertex_count(), 0);
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            if (elements[static_cast<std::size_t>(t)] != 0)
-                for (const VertexId v : mesh.tet(t))
-                    marked[static_cast<std::size_t>(v)] = 1;
-        return marked;
-    }
-
-    /// Farther from the lips tissue is hardly strained: docs/method/verification.md has what four-node elements there
-    /// change.
-    constexpr double kTenNodesWithinMm = 60.0;
-
-    /// The volume of an element over that of the regular tetrahedron with the same mean square edge.
-    double ratio_to_regular(const mesh::TetMesh& mesh, TetId t)
-    {
-        const std::array<Vec3, 4> corners = mesh::tet_corners(mesh, t);
-        double square = 0.0;
-        for (const auto& [a, b] : mesh::kTetEdges)
-            square += (corners[static_cast<std::size_t>(a)] - corners[static_cast<std::size_t>(b)]).squaredNorm();
-        square /= static_cast<double>(mesh::kTetEdges.size());
-        return 6.0 * std::numbers::sqrt2 * mesh::tet_volume(mesh, t) / std::pow(square, 1.5);
-    }
-
     /// Whether blades in contact hold the wound, and each bears on a bone that the cut goes through.
     bool blades_bear_on_cut_bone(const PlannedField& field, const mesh::LabelTable& table)
     {
@@ -274,69 +214,6 @@ namespace {
             });
         };
         return !field.problem.blades.empty() && std::ranges::all_of(field.approach.hooks, bears_on_cut);
-    }
-
-    /// Clears the marks of soft elements that touch a lip or are flat, and of soft elements that share an edge with one
-    /// of these: their edges stay straight, but for the edges of bone.
-    /// @param on_lips one flag per vertex
-    /// @param marked one flag per element
-    void clear_at_lips(const mesh::TetMesh& mesh, const std::vector<std::uint8_t>& bone,
-        const std::vector<std::uint8_t>& on_lips, std::vector<std::uint8_t>& marked)
-    {
-        constexpr double kFlat = 0.15; // ratio_to_regular(): fewer than one soft element in fifty at a chest's lips
-        const auto edges = [&](TetId t) {
-            const auto corners = mesh.tet(t);
-            return mesh::edge_keys({ corners[0], corners[1], corners[2], corners[3] });
-        };
-        const std::vector<std::uint8_t> touching = elements_touching(mesh, on_lips);
-        std::set<std::pair<VertexId, VertexId>> straight;
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            if (const auto i = static_cast<std::size_t>(t);
-                bone[i] == 0 && (touching[i] != 0 || ratio_to_regular(mesh, t) < kFlat))
-                for (const auto& edge : edges(t))
-                    straight.insert(edge);
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            if (const auto i = static_cast<std::size_t>(t); marked[i] != 0 && bone[i] == 0
-                && std::ranges::any_of(edges(t), [&](const auto& edge) { return straight.contains(edge); }))
-                marked[i] = 0;
-    }
-
-    /// In a wall of more elements, soft tissue of lips gets no midpoints where blades bear on bone that is cut through:
-    /// they crush the tissue before the bone, and Newton's method takes many steps for it. Without these midpoints the
-    /// phantom's median sternotomy has a force 7 % larger.
-    constexpr std::size_t kManyElements = 100'000;
-
-    /// Marks the elements near the lips that touch bone, cartilage or a lip: four-node elements bend bone too stiffly,
-    /// and fold where hooks and blades bear on soft tissue. Soft elements at the front of the cut are not marked:
-    /// slivers that the blade left there stretch many times over, and with midpoints Newton's method takes dozens of
-    /// steps for them; nor are soft lips in a wall of more than kManyElements whose blades bear on cut bone. In a wall
-    /// without bone hooks bear on soft tissue alone: all elements are marked.
-    std::vector<std::uint8_t> elements_at_bone_and_lips(const PlannedField& field, const mesh::LabelTable& table)
-    {
-        const mesh::TetMesh& wall = field.wall;
-        const mesh::LabelFlags is_bone = mesh::flagged_labels(table, mesh::is_skeleton);
-        std::vector<std::uint8_t> bone(wall.tet_count(), 0);
-        std::ranges::transform(wall.labels, bone.begin(), [&](Label label) { return is_bone[label]; });
-        if (std::ranges::none_of(bone, [](std::uint8_t flag) { return flag != 0; }))
-            return std::vector<std::uint8_t>(wall.tet_count(), 1);
-        std::vector<std::uint8_t> on_lips(wall.vertex_count(), 0);
-        for (const mesh::LipFace& lip : field.lips)
-            for (const VertexId v : mesh::face_vertices(wall, lip.face))
-                on_lips[static_cast<std::size_t>(v)] = 1;
-        std::vector<std::uint8_t> touched = vertices_of(wall, bone);
-        std::ranges::transform(touched, on_lips, touched.begin(), std::bit_or<>());
-        std::vector<std::uint8_t> marked = elements_touching(wall, touched);
-        const std::vector<std::uint8_t> around = elements_touching(wall, vertices_of_cut_front(field));
-        for (std::size_t t = 0; t < marked.size(); ++t)
-            if (around[t] != 0 && bone[t] == 0)
-                marked[t] = 0;
-        if (wall.tet_count() > kManyElements && blades_bear_on_cut_bone(field, table))
-            clear_at_lips(wall, bone, on_lips, marked);
-        if (field.lips.empty())
-            return marked;
-        const std::vector<std::uint8_t> near = fem::elements_near(wall, lip_points(field), kTenNodesWithinMm);
-        std::ranges::transform(marked, near, marked.begin(), std::bit_and<>());
-        return marked;
     }
 
     /// Marks the elements all of whose edges have midpoints.
@@ -685,7 +562,9 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
     if (choice.element == ElementKind::p2)
         field.problem = with_midpoints(field.problem);
     else if (choice.element == ElementKind::mixed)
-        field.problem = with_midpoints(field.problem, elements_at_bone_and_lips(field, planned_case.label_table));
+        field.problem = with_midpoints(field.problem,
+            ten_node_elements(field.wall, field.lips, planned_case.label_table,
+                blades_bear_on_cut_bone(field, planned_case.label_table) ? SoftLips::four_nodes : SoftLips::ten_nodes));
     field.metrics.solution = solution_metrics(field, choice);
     const std::vector<fem::HookDrive> drives = drives_of(field.approach);
     const OpenOnce open = [&](const std::optional<fem::ContactOptions>& contact, const OpenedWall* from,

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -75,20 +76,22 @@ namespace region_plan_test {
     {
         Cut cut("whole");
         cut.whole_wall_mm = kWholeWallMm;
-        const PlannedField found = cut.plan({}, 0);
-        ASSERT_EQ(found.status, PlanStatus::done) << found.message;
-        const RegionMetrics& region = found.metrics.region;
-        EXPECT_EQ(region.ended_by, RegionEnd::whole);
-        EXPECT_EQ(region.drafts, 0);
-        EXPECT_EQ(region.rim_motion_mm, 0.0);
-        EXPECT_FALSE(region.force_change.has_value());
-        // The region that drafts find bears nearly as much as the whole wall.
-        cut.whole_wall_mm = 0.0;
-        const PlannedField drafted = cut.plan({}, 0);
-        constexpr double kMeshChance = 0.08; // between meshes of these edges
-        EXPECT_GE(drafted.metrics.region.drafts, 1);
-        EXPECT_NEAR(drafted.metrics.hook_force_N, found.metrics.hook_force_N,
-            (drafted.metrics.region.force_change.value_or(0.0) + kMeshChance) * found.metrics.hook_force_N);
+        std::vector<double> forces;
+        for (const unsigned seed : { 0U, 3U, 5U }) { // a single mesh of these edges may be off by a quarter
+            const PlannedField found = cut.plan({}, seed);
+            ASSERT_EQ(found.status, PlanStatus::done) << found.message;
+            const RegionMetrics& region = found.metrics.region;
+            EXPECT_EQ(region.ended_by, RegionEnd::whole);
+            EXPECT_EQ(region.drafts, 0);
+            EXPECT_EQ(region.rim_motion_mm, 0.0);
+            EXPECT_FALSE(region.force_change.has_value());
+            forces.push_back(found.metrics.hook_force_N);
+        }
+        std::ranges::sort(forces);
+        // The coarse model beyond 30 mm bears as much as fine tissue there.
+        const PlannedField fine = cut.plan(0.0, 0);
+        EXPECT_LT(fine.metrics.region.rim_motion_mm, kStillRimMm);
+        EXPECT_NEAR(forces[1], fine.metrics.hook_force_N, 0.12 * fine.metrics.hook_force_N);
     }
 
     TEST(RegionPlan, TheRimOfALargerRegionMovesLessAndAFoundRegionHoldsWhatMoves)

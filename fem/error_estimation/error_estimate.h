@@ -42,6 +42,9 @@ inline constexpr double kRecoverySafety = 1.2;
 /// Largest valid result of ten_node_share(). Ten-node elements whose remaining error exceeds the change that they
 /// make tell nothing about their error.
 inline constexpr double kMostShare = 1.0;
+/// Largest valid result of ten_node_share() where only a part of the elements has ten nodes. The others have an error
+/// too, which does not change; it may be larger than the change that the ten-node elements make.
+inline constexpr double kMostShareOfMixed = 4.0;
 /// Least remaining share for an opening. An opening is not an energy, and the ends of the cut influence an opening
 /// more. Ten-node elements are therefore taken to lack at least this share of the difference, as at a singularity.
 inline constexpr double kLeastOpeningShare = (1.0 - kErrorShare) / kErrorShare;
@@ -75,7 +78,8 @@ ErrorEstimate estimate_error(const ElasticProblem& problem, Elasticity elasticit
 /// Remaining error of a ten-node result, relative to the difference between plain four-node elements and ten-node
 /// elements on the same mesh: share_left() of gradient_recovery.h times kRecoverySafety. The error of an answer by
 /// other four-node elements is its difference from the ten-node answer plus this remaining error. A result above
-/// kMostShare, or one that is not finite, is not an estimate: the elements are too large or too flat.
+/// kMostShare (kMostShareOfMixed), or one that is not finite, is not an estimate: the elements are too large or too
+/// flat.
 /// @param ten_node three per node of problem.mesh, mm.
 /// @param plain n x 3 at the corners, mm.
 double ten_node_share(

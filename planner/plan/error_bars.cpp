@@ -31,11 +31,12 @@ namespace {
     };
 
     /// Why a result of ten_node_share() gives no estimate; empty: the result does.
-    std::string without_share(double share)
+    /// @param most kMostShare or kMostShareOfMixed
+    std::string without_share(double share, double most)
     {
-        return share <= fem::kMostShare ? "" // the comparison also refuses NaN
-                                        : "the elements are too large or too flat for an error estimate of ten-node "
-                                          "elements; use a finer mesh";
+        return share <= most ? "" // the comparison also refuses NaN
+                             : "the elements are too large or too flat for an error estimate of ten-node elements; "
+                               "use a finer mesh";
     }
 
     /// The displacement of the wall's vertices, without the nodes of blades, which follow them.
@@ -64,7 +65,7 @@ namespace {
         if (locking_free) {
             solutions.lacking
                 = fem::ten_node_share(with_midpoints(field.problem), choice.elasticity, finer.ten_node, finer.plain);
-            solutions.message = without_share(solutions.lacking);
+            solutions.message = without_share(solutions.lacking, fem::kMostShare);
             solutions.plain = WoundSolution { of_vertices(field, finer.plain), std::move(finer.plain_forces_N) };
             return solutions;
         }
@@ -103,7 +104,8 @@ namespace {
             return { .message = "the solution by four-node elements failed: " + result.message };
         ComparisonSolutions solutions;
         solutions.factor = fem::ten_node_share(field.problem, choice.elasticity, wound.ten_node, result.displacement);
-        solutions.message = without_share(solutions.factor);
+        const bool is_mixed = choice.element == ElementKind::mixed;
+        solutions.message = without_share(solutions.factor, is_mixed ? fem::kMostShareOfMixed : fem::kMostShare);
         solutions.held = held_hooks(
             field.approach, coarse, { choice.elasticity }, result.displacement, result.hook_forces_N, wound.contact);
         solutions.other = { of_vertices(field, result.displacement), std::move(result.hook_forces_N) };

@@ -157,7 +157,7 @@ namespace {
     /// the forces of its blades, and a seventh of the bar that a plan is asked for.
     constexpr double kTenNodeBalance = 5e-3, kContactBalance = 2e-2;
     constexpr double kStartBalance = 0.1, kStartTolerance = 0.01; ///< of a state from which other elements begin
-    /// A frame that tilts further than 20 degrees is held: no surgeon lets it. Plans of phantoms tilt it by 1 to 7.
+    /// A frame that tilts further than 20 degrees is held: no surgeon lets it. Plans of phantoms tilt it by 2 to 10.
     constexpr double kMostTilted = 0.35; // rad
 
     void set_tolerances(fem::OpeningOptions& options, const fem::ElasticProblem& problem)

@@ -13,6 +13,7 @@
 #include "ui/workstation/help/manual_window.h"
 #include "ui/workstation/labels/label_editor.h"
 #include "ui/workstation/language/language.h"
+#include "ui/workstation/language/stage_words.h"
 #include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/planning/metrics_panel.h"
 #include "ui/workstation/planning/search_dialog.h"
@@ -1402,12 +1403,12 @@ void MainWindow::show_progress()
     if (exports_running_ > 0) {
         const SerialExecutor::Progress writing = export_executor_.progress();
         conference_bar_->show_note(translated(QString("Saving: %1 (%2 %)")
-                                                  .arg(QString::fromStdString(writing.stage))
+                                                  .arg(QString::fromStdString(stage_in_words(writing.stage)))
                                                   .arg(100.0 * writing.fraction, 0, 'f', 0)));
         if (!plans) {
             cancel_button_->setEnabled(true);
             progress_->setValue(static_cast<int>(kProgressSteps * writing.fraction));
-            progress_->setFormat(translated("saving: " + writing.stage));
+            progress_->setFormat(translated("saving: " + stage_in_words(writing.stage)));
             return;
         }
     }
@@ -1417,7 +1418,7 @@ void MainWindow::show_progress()
     const SerialExecutor::Progress planning = planning_executor_.progress();
     progress_->setValue(static_cast<int>(kProgressSteps * planning.fraction));
     progress_->setFormat(QString::fromStdString(index ? model_->approach(*index).name + ": " : std::string())
-        + translated(cancelling ? std::string("cancelling") : planning.stage));
+        + translated(cancelling ? std::string("cancelling") : stage_in_words(planning.stage)));
 }
 
 void MainWindow::show_error(const Failure& failure)

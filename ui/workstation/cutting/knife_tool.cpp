@@ -2,6 +2,7 @@
 
 #include "planner/approach/hook_mesh.h"
 #include "ui/scene/tissue_colors.h"
+#include "ui/workstation/language/stage_words.h"
 
 #include <QLineF>
 
@@ -336,7 +337,7 @@ QString KnifeTool::waiting_for() const
     return "Preparing the wall for cutting"
         + (now->stage.empty() ? QString(" …")
                               : QString(": %1 %2 %")
-                                    .arg(QString::fromStdString(now->stage))
+                                    .arg(QString::fromStdString(stage_in_words(now->stage)))
                                     .arg(static_cast<int>(100.0 * now->fraction)));
 }
 

@@ -5895,5 +5895,113 @@
         <source>largest strain, averaged over balls of %1 mm radius: %2 %3 % %4 mm beyond the end of the incision, %5 mm beside it and %6 mm deep</source>
         <translation>半径 %1 mm の球で平均した最大ひずみ：%2 %3 %（切開の終点の先 %4 mm、横に %5 mm、深さ %6 mm）</translation>
     </message>
+    <message>
+        <source>building the model of the wall</source>
+        <translation>体壁のモデルを作成中</translation>
+    </message>
+    <message>
+        <source>finding how much of the wall moves</source>
+        <translation>体壁の動く範囲を調べています</translation>
+    </message>
+    <message>
+        <source>cutting</source>
+        <translation>切開中</translation>
+    </message>
+    <message>
+        <source>removing tissue</source>
+        <translation>組織を切除中</translation>
+    </message>
+    <message>
+        <source>restoring the cuts</source>
+        <translation>切開を復元中</translation>
+    </message>
+    <message>
+        <source>letting the wound gape</source>
+        <translation>創の開きを計算中</translation>
+    </message>
+    <message>
+        <source>opening the wound</source>
+        <translation>開創中</translation>
+    </message>
+    <message>
+        <source>opening the wound, first estimate</source>
+        <translation>開創中（最初の見積もり）</translation>
+    </message>
+    <message>
+        <source>opening the wound, the retractor settles</source>
+        <translation>開創中（開創器の釣り合い）</translation>
+    </message>
+    <message>
+        <source>opening the wound, tissues that touch</source>
+        <translation>開創中（組織どうしの接触）</translation>
+    </message>
+    <message>
+        <source>opening the wound, without hooks</source>
+        <translation>開創中（鉤なし）</translation>
+    </message>
+    <message>
+        <source>opening the wound, whole wall</source>
+        <translation>開創中（体壁全体）</translation>
+    </message>
+    <message>
+        <source>opening the wound less, until no bone breaks</source>
+        <translation>骨が折れない開創幅を計算中</translation>
+    </message>
+    <message>
+        <source>looking through the wound</source>
+        <translation>創を通した視野を計算中</translation>
+    </message>
+    <message>
+        <source>looking through the wound, organs higher</source>
+        <translation>創を通した視野を計算中（臓器が頭側にある場合）</translation>
+    </message>
+    <message>
+        <source>looking through the wound, other volumes of the lung</source>
+        <translation>創を通した視野を計算中（肺の容積を変えた場合）</translation>
+    </message>
+    <message>
+        <source>reaching in with instruments</source>
+        <translation>器具の到達を計算中</translation>
+    </message>
+    <message>
+        <source>estimating the error</source>
+        <translation>誤差を見積もり中</translation>
+    </message>
+    <message>
+        <source>drawing what lies round the wound</source>
+        <translation>創の周囲を描画中</translation>
+    </message>
+    <message>
+        <source>finding where a finger can go</source>
+        <translation>指の届く範囲を調べています</translation>
+    </message>
+    <message>
+        <source>drawing</source>
+        <translation>描画中</translation>
+    </message>
+    <message>
+        <source>drawing the movie</source>
+        <translation>動画を描画中</translation>
+    </message>
+    <message>
+        <source>writing the report</source>
+        <translation>報告書を作成中</translation>
+    </message>
+    <message>
+        <source>trying incisions</source>
+        <translation>切開を試しています</translation>
+    </message>
+    <message>
+        <source>making the organ palpable</source>
+        <translation>臓器を触診できるようにしています</translation>
+    </message>
+    <message>
+        <source>Preparing the wall for cutting: %1 %2 %</source>
+        <translation>体壁の切開を準備しています：%1 %2 %</translation>
+    </message>
+    <message>
+        <source>Preparing the tissue: %1 %2 %</source>
+        <translation>組織を準備しています：%1 %2 %</translation>
+    </message>
 </context>
 </TS>

@@ -4,6 +4,7 @@
 #include "haptics/hand/hand_file.h"
 #include "mesh/base/text_format.h"
 #include "ui/workstation/language/language.h"
+#include "ui/workstation/language/stage_words.h"
 #include "ui/workstation/planning/session_model.h"
 #include "ui/workstation/view/png_file.h"
 #include "ui/workstation/view/theme.h"
@@ -300,7 +301,7 @@ void PalpationWindow::take_snapshot()
         view_->show_note("Preparing the tissue"
             + (snapshot_->stage.empty() ? QString(" …")
                                         : QString(": %1 %2 %")
-                                              .arg(QString::fromStdString(snapshot_->stage))
+                                              .arg(QString::fromStdString(stage_in_words(snapshot_->stage)))
                                               .arg(static_cast<int>(100.0 * snapshot_->fraction))));
         return;
     case planner::PalpationSnapshot::Phase::failed:

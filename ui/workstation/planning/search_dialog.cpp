@@ -7,6 +7,7 @@
 #include "planner/measures/comparison.h"
 #include "planner/measures/verdict.h"
 #include "ui/workstation/language/language.h"
+#include "ui/workstation/language/stage_words.h"
 #include "ui/workstation/planning/approach_dialog.h"
 #include "ui/workstation/planning/metric_rows.h"
 #include "ui/workstation/view/background_picture.h"
@@ -353,7 +354,7 @@ void SearchDialog::show_progress()
         return timer_.stop();
     const SerialExecutor::Progress now = executor_.progress();
     progress_->setValue(static_cast<int>(std::lround(kProgressSteps * now.fraction)));
-    work_->setText(translated(cancelling_ ? "Cancelling" : "Searching: " + QString::fromStdString(now.stage)));
+    work_->setText(translated(cancelling_ ? "Cancelling" : "Searching: " + QString::fromStdString(stage_in_words(now.stage))));
 }
 
 void SearchDialog::show_failure(const QString& text)

@@ -13,6 +13,7 @@
 #include "ui/plan_scene/field_map.h"
 #include "ui/scene/scene.h"
 #include "ui/workstation/language/phrasebook.h"
+#include "ui/workstation/language/stage_words.h"
 #include "ui/workstation/language/translated_page.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/search_dialog.h"
@@ -50,6 +51,26 @@ namespace language_test {
         QBuffer file(&bytes);
         file.open(QIODevice::ReadOnly);
         return read_phrasebook(file);
+    }
+
+    TEST(StageWords, AreThoseOfASurgeon)
+    {
+        EXPECT_EQ(stage_in_words("refine tetrahedra"), "building the model of the wall");
+        EXPECT_EQ(stage_in_words("opening, four-node elements"), "opening the wound, first estimate");
+        EXPECT_EQ(stage_in_words("read CT"), "read CT"); // plain already
+        EXPECT_EQ(stage_in_words(""), "");
+        // Each has a Japanese phrase.
+        QFile file(":/language/ja.ts");
+        ASSERT_TRUE(file.open(QIODevice::ReadOnly));
+        const Phrasebook book = read_phrasebook(file);
+        for (const char* stage : { "label field", "draft of the wall", "cut", "replay", "opening",
+                 "opening with contact", "opening, balance of the retractor", "smaller opening", "best eye",
+                 "instruments", "expose, organs higher", "expose, other lungs", "error estimate", "surroundings",
+                 "pictures", "incisions by rays", "compliance" }) {
+            const QString words = QString::fromStdString(stage_in_words(stage));
+            EXPECT_NE(words, QString(stage)) << stage;
+            EXPECT_TRUE(book.phrases.contains(words)) << words.toStdString();
+        }
     }
 
     TEST(Phrasebook, TranslatesThePagesTextAndNothingElse)

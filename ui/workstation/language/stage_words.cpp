@@ -1,0 +1,65 @@
+#include "ui/workstation/language/stage_words.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace retractor::ui {
+
+namespace {
+
+    using Words = std::pair<std::string_view, std::string_view>;
+
+    constexpr std::string_view kModel = "building the model of the wall", kLook = "looking through the wound",
+                               kFirst = "opening the wound, first estimate", kError = "estimating the error",
+                               kTouch = "making the organ palpable";
+
+    constexpr auto kWords = std::to_array<Words>({
+        { "label field", kModel },
+        { "refine tetrahedra", kModel },
+        { "optimise tetrahedra", kModel },
+        { "mesh statistics", kModel },
+        { "draft of the wall", "finding how much of the wall moves" },
+        { "cut", "cutting" },
+        { "ablate", "removing tissue" },
+        { "replay", "restoring the cuts" },
+        { "relax springs", "letting the wound gape" },
+        { "opening", "opening the wound" },
+        { "opening, linear", kFirst },
+        { "opening, blades that hold", kFirst },
+        { "opening, four-node elements", kFirst },
+        { "opening, balance of the retractor", "opening the wound, the retractor settles" },
+        { "opening with contact", "opening the wound, tissues that touch" },
+        { "opening, without hooks", "opening the wound, without hooks" },
+        { "opening, whole wall", "opening the wound, whole wall" },
+        { "smaller opening", "opening the wound less, until no bone breaks" },
+        { "exposure", kLook },
+        { "best eye", kLook },
+        { "instruments", "reaching in with instruments" },
+        { "expose, organs higher", "looking through the wound, organs higher" },
+        { "expose, other lungs", "looking through the wound, other volumes of the lung" },
+        { "expose, other elements", kError },
+        { "error estimate", kError },
+        { "surroundings", "drawing what lies round the wound" },
+        { "surroundings of the finger", "finding where a finger can go" },
+        { "render", "drawing" },
+        { "pictures", "drawing" },
+        { "movie", "drawing the movie" },
+        { "report", "writing the report" },
+        { "incisions by rays", "trying incisions" },
+        { "fill with spheres", kTouch },
+        { "assemble", kTouch },
+        { "factorise", kTouch },
+        { "stiffness under fingertips", kTouch },
+        { "compliance", kTouch },
+    });
+
+} // namespace
+
+std::string stage_in_words(std::string_view stage)
+{
+    const auto* known = std::ranges::find(kWords, stage, &Words::first);
+    return std::string(known == kWords.end() ? stage : known->second);
+}
+
+} // namespace retractor::ui

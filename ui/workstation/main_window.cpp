@@ -1412,13 +1412,11 @@ void MainWindow::show_progress()
             return;
         }
     }
-    const auto index = model_->planning(); // none: the approach was changed or removed meanwhile
     const bool cancelling = model_->planning_unwanted();
     cancel_button_->setEnabled(!cancelling);
     const SerialExecutor::Progress planning = planning_executor_.progress();
     progress_->setValue(static_cast<int>(kProgressSteps * planning.fraction));
-    progress_->setFormat(QString::fromStdString(index ? model_->approach(*index).name + ": " : std::string())
-        + translated(cancelling ? std::string("cancelling") : stage_in_words(planning.stage)));
+    progress_->setFormat(translated(cancelling ? std::string("cancelling") : stage_in_words(planning.stage)));
 }
 
 void MainWindow::show_error(const Failure& failure)

@@ -5924,27 +5924,27 @@
         <translation>開創中</translation>
     </message>
     <message>
-        <source>opening the wound, first estimate</source>
+        <source>opening: first estimate</source>
         <translation>開創中（最初の見積もり）</translation>
     </message>
     <message>
-        <source>opening the wound, the retractor settles</source>
+        <source>opening: the retractor settles</source>
         <translation>開創中（開創器の釣り合い）</translation>
     </message>
     <message>
-        <source>opening the wound, tissues that touch</source>
+        <source>opening: tissues that touch</source>
         <translation>開創中（組織どうしの接触）</translation>
     </message>
     <message>
-        <source>opening the wound, without hooks</source>
+        <source>opening: without hooks</source>
         <translation>開創中（鉤なし）</translation>
     </message>
     <message>
-        <source>opening the wound, whole wall</source>
+        <source>opening: whole wall</source>
         <translation>開創中（体壁全体）</translation>
     </message>
     <message>
-        <source>opening the wound less, until no bone breaks</source>
+        <source>opening less, until no bone breaks</source>
         <translation>骨が折れない開創幅を計算中</translation>
     </message>
     <message>
@@ -5952,11 +5952,11 @@
         <translation>創を通した視野を計算中</translation>
     </message>
     <message>
-        <source>looking through the wound, organs higher</source>
+        <source>looking with organs higher</source>
         <translation>創を通した視野を計算中（臓器が頭側にある場合）</translation>
     </message>
     <message>
-        <source>looking through the wound, other volumes of the lung</source>
+        <source>looking past other lung volumes</source>
         <translation>創を通した視野を計算中（肺の容積を変えた場合）</translation>
     </message>
     <message>

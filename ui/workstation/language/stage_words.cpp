@@ -11,7 +11,7 @@ namespace {
     using Words = std::pair<std::string_view, std::string_view>;
 
     constexpr std::string_view kModel = "building the model of the wall", kLook = "looking through the wound",
-                               kFirst = "opening the wound, first estimate", kError = "estimating the error",
+                               kFirst = "opening: first estimate", kError = "estimating the error",
                                kTouch = "making the organ palpable";
 
     constexpr auto kWords = std::to_array<Words>({
@@ -28,16 +28,16 @@ namespace {
         { "opening, linear", kFirst },
         { "opening, blades that hold", kFirst },
         { "opening, four-node elements", kFirst },
-        { "opening, balance of the retractor", "opening the wound, the retractor settles" },
-        { "opening with contact", "opening the wound, tissues that touch" },
-        { "opening, without hooks", "opening the wound, without hooks" },
-        { "opening, whole wall", "opening the wound, whole wall" },
-        { "smaller opening", "opening the wound less, until no bone breaks" },
+        { "opening, balance of the retractor", "opening: the retractor settles" },
+        { "opening with contact", "opening: tissues that touch" },
+        { "opening, without hooks", "opening: without hooks" },
+        { "opening, whole wall", "opening: whole wall" },
+        { "smaller opening", "opening less, until no bone breaks" },
         { "exposure", kLook },
         { "best eye", kLook },
         { "instruments", "reaching in with instruments" },
-        { "expose, organs higher", "looking through the wound, organs higher" },
-        { "expose, other lungs", "looking through the wound, other volumes of the lung" },
+        { "expose, organs higher", "looking with organs higher" },
+        { "expose, other lungs", "looking past other lung volumes" },
         { "expose, other elements", kError },
         { "error estimate", kError },
         { "surroundings", "drawing what lies round the wound" },

@@ -56,7 +56,7 @@ namespace language_test {
     TEST(StageWords, AreThoseOfASurgeon)
     {
         EXPECT_EQ(stage_in_words("refine tetrahedra"), "building the model of the wall");
-        EXPECT_EQ(stage_in_words("opening, four-node elements"), "opening the wound, first estimate");
+        EXPECT_EQ(stage_in_words("opening, four-node elements"), "opening: first estimate");
         EXPECT_EQ(stage_in_words("read CT"), "read CT"); // plain already
         EXPECT_EQ(stage_in_words(""), "");
         // Each has a Japanese phrase.

@@ -98,14 +98,14 @@ inline constexpr double kFirstRegionMm = 50.0;
 inline constexpr double kCoarseBeyondMm = 30.0;
 
 /// Mesh sizes of the wall round this incision; see MeshSizing.
-/// The defaults give 50,000 to 80,000 elements on an adult chest, in a few seconds. A new case has edges of 8 mm for
-/// ten-node elements (write_import()).
+/// A new case has edges of 8 mm for ten-node elements (write_import()); they give about 190,000 elements on an adult
+/// chest.
 struct SizingSpec {
     double corridor_radius_mm = 12.0;
     double corridor_edge_mm = 4.5;
     double coarse_edge_mm = 15.0;
     /// The mesh holds tissue within this distance of the incision, and its whole bones; 0: all of the wall. Not set:
-    /// kFirstRegionMm, and where a plan finds the region (PlanChecks::find_region) as far as tissue moves.
+    /// kFirstRegionMm, or what the plan finds (PlanChecks::find_region).
     std::optional<double> region_mm {};
     double coarse_beyond_mm = 0.0; ///< MeshSizing::coarse_beyond_mm, of a found region; not a part of case.json
     unsigned mesh_seed = 0; ///< MeshSizing::seed; not a part of case.json

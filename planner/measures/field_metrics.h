@@ -218,7 +218,7 @@ struct RegionMetrics {
     std::vector<PiercingBone> piercing {}; ///< bones that come out through the skin: a failure
     int drafts = 0; ///< number of drafts by which the region was found
     /// Change of the force between the draft of the whole wall and that of the region, over the force: the error that
-    /// the region leaves. Not set: there was one draft, or there is no force.
+    /// the region leaves. Not set: there were fewer than two drafts, or there is no force.
     std::optional<double> force_change {};
     double seconds = 0.0; ///< time of the search
 };

@@ -38,8 +38,8 @@ struct FoundRegion {
 /// A region grows by this factor while its rim moves too far, and shrinks by it where it does not fit the memory.
 inline constexpr double kRegionGrowth = 1.5;
 
-/// A wall that lies within this distance of the incision is meshed whole. A chest's wall does: beyond 30 mm it is
-/// coarse, so that its mesh costs less than the drafts that would make it smaller (docs/method/meshing.md).
+/// A wall that lies within this distance of the incision is meshed whole. The wall of most chests does: beyond 30 mm it
+/// is coarse, so that its mesh costs less than the drafts that would make it smaller (docs/method/meshing.md).
 inline constexpr double kWholeWallMm = 450.0;
 
 /// Finds the smallest region whose rim moves less than kStillRimMm, by two to four drafts.

@@ -696,25 +696,27 @@ namespace {
             .force_N = std::max(sides[0], sides[1]) };
     }
 
-    /// A region that holds the box of the wall's voxels.
+    /// A region that holds the wall: the distance of its farthest voxel, of the two ends of each row of voxels.
     double whole_region_mm(const mesh::LabelVolume& labels, const std::vector<Vec3>& line)
     {
+        const mesh::ImageGrid& grid = labels.grid;
         const mesh::LabelFlags in_wall = mesh::flagged_labels(labels.table, mesh::is_wall);
-        Eigen::AlignedBox3d box;
-        std::size_t voxel = 0;
-        for (int k = 0; k < labels.grid.size[2]; ++k)
-            for (int j = 0; j < labels.grid.size[1]; ++j)
-                for (int i = 0; i < labels.grid.size[0]; ++i)
-                    if (in_wall[labels.voxels[voxel++]] != 0)
-                        box.extend(Vec3(i, j, k));
+        const auto is_in_wall = [&](Label label) { return in_wall[label] != 0; };
+        const auto width = static_cast<std::size_t>(grid.size[0]);
         double farthest = 0.0;
-        for (int corner = 0; corner < 8 && !box.isEmpty(); ++corner) {
-            Vec3 index;
-            for (int axis = 0; axis < 3; ++axis)
-                index[axis] = (corner >> axis & 1) != 0 ? box.max()[axis] + 1.0 : box.min()[axis] - 1.0;
-            farthest = std::max(farthest, polyline_distance(line, labels.grid.world(index)));
-        }
-        return std::max(std::ceil(farthest), kFirstRegionMm);
+        for (int k = 0; k < grid.size[2]; ++k)
+            for (int j = 0; j < grid.size[1]; ++j) {
+                const std::span<const Label> row(labels.voxels.data() + grid.offset(0, j, k), width);
+                const auto first = std::ranges::find_if(row, is_in_wall);
+                if (first == row.end())
+                    continue;
+                const auto last = std::find_if(row.rbegin(), row.rend(), is_in_wall).base() - 1;
+                for (const auto end : { first, last })
+                    farthest = std::max(farthest,
+                        polyline_distance(line, grid.world(Vec3(static_cast<double>(end - row.begin()), j, k))));
+            }
+        const double voxel_mm = grid.spacing.norm(); // the surface lies less than this beyond the voxel's middle
+        return std::max(std::ceil(farthest + voxel_mm), kFirstRegionMm);
     }
 
     /// The approach with its wall meshed and cut, which does not depend on the stiffness of the tissue.
@@ -769,17 +771,15 @@ namespace {
                 field, wound, planned_case.solution, planned_case.label_table, patient.frame(), job);
     }
 
-    FoundRegion find_region_of(Patient& patient, const Approach& approach, const PlanChecks& checks, const Job& job)
+    /// The region by drafts.
+    FoundRegion find_region_of(
+        Patient& patient, const Approach& approach, double whole_mm, const PlanChecks& checks, const Job& job)
     {
-        const double whole_mm = whole_region_mm(*patient.labels(), approach.incision);
-        if (whole_mm <= checks.whole_wall_mm)
-            return { .region_mm = whole_mm, .measures = { .ended_by = RegionEnd::whole } };
         const Stopwatch watch;
         Approach prepared = approach;
         prepare(prepared, patient);
-        FoundRegion found = find_region(whole_mm, [&](double region_mm) {
-            return draft_of_region(patient, prepared, region_mm, checks.memory_bytes, job);
-        });
+        FoundRegion found = find_region(whole_mm,
+            [&](double region_mm) { return draft_of_region(patient, prepared, region_mm, checks.memory_bytes, job); });
         found.measures.seconds = watch.seconds();
         return found;
     }
@@ -862,7 +862,10 @@ PlannedField plan_in_region(Patient& patient, const Approach& approach, const Jo
         return plan_as_accurately_as_asked(patient, approach, job, checks, watch);
     check_approach(approach);
     check_plausible(patient.planned_case(), approach);
-    FoundRegion found = find_region_of(patient, approach, checks, job);
+    const double whole_mm = whole_region_mm(*patient.labels(), approach.incision);
+    FoundRegion found = whole_mm <= checks.whole_wall_mm
+        ? FoundRegion { .region_mm = whole_mm, .measures = { .ended_by = RegionEnd::whole } }
+        : find_region_of(patient, approach, whole_mm, checks, job);
     while (!found.cancelled) {
         Approach with_region = approach;
         with_region.sizing = found_sizing(approach.sizing, found.region_mm);
@@ -876,7 +879,9 @@ PlannedField plan_in_region(Patient& patient, const Approach& approach, const Jo
             region.seconds = found.measures.seconds;
             return field;
         } catch (const MemoryRefusal&) {
-            if (!shrink_region(found))
+            if (found.measures.drafts == 0)
+                found = find_region_of(patient, approach, whole_mm, checks, job);
+            else if (!shrink_region(found))
                 throw;
         }
     }

@@ -56,8 +56,8 @@ void check_plan(const Case& planned_case, const PlanChecks& checks);
 PlannedField plan_approach(
     Patient& patient, const Approach& approach, const Job& job = {}, const PlanChecks& checks = {});
 
-/// Plans one approach as plan_approach() does, with its region found and as accurately as the checks ask. A region whose
-/// plan does not fit the memory is made smaller.
+/// Plans one approach as plan_approach() does, with its region found and as accurately as the checks ask. A region
+/// whose plan does not fit the memory is made smaller.
 /// @throws as plan_approach()
 PlannedField plan_in_region(
     Patient& patient, const Approach& approach, const Job& job = {}, const PlanChecks& checks = {});

@@ -76,7 +76,7 @@ namespace region_plan_test {
     {
         Cut cut("whole");
         cut.whole_wall_mm = kWholeWallMm;
-        std::vector<double> forces;
+        std::vector<double> forces, fine_forces;
         for (const unsigned seed : { 0U, 3U, 5U }) { // a single mesh of these edges may be off by a quarter
             const PlannedField found = cut.plan({}, seed);
             ASSERT_EQ(found.status, PlanStatus::done) << found.message;
@@ -86,12 +86,13 @@ namespace region_plan_test {
             EXPECT_EQ(region.rim_motion_mm, 0.0);
             EXPECT_FALSE(region.force_change.has_value());
             forces.push_back(found.metrics.hook_force_N);
+            fine_forces.push_back(cut.plan(0.0, seed).metrics.hook_force_N);
         }
         std::ranges::sort(forces);
-        // The coarse model beyond 30 mm bears as much as fine tissue there.
-        const PlannedField fine = cut.plan(0.0, 0);
-        EXPECT_LT(fine.metrics.region.rim_motion_mm, kStillRimMm);
-        EXPECT_NEAR(forces[1], fine.metrics.hook_force_N, 0.12 * fine.metrics.hook_force_N);
+        std::ranges::sort(fine_forces);
+        // The coarse model beyond 30 mm bears as much as fine tissue there: medians of the three meshes.
+        constexpr double kCoarseError = 0.1; // single meshes of these edges differ by up to a quarter
+        EXPECT_NEAR(forces[1], fine_forces[1], kCoarseError * fine_forces[1]);
     }
 
     TEST(RegionPlan, TheRimOfALargerRegionMovesLessAndAFoundRegionHoldsWhatMoves)

@@ -145,8 +145,9 @@ namespace {
         return sizing;
     }
 
-    /// The setup of a surgery session. The wall is meshed as in plan_approach(), unless the plan's elements are too
-    /// large to be cut by hand. It is not meshed along a division beyond the incision, which would nearly double it.
+    /// The setup of a surgery session. The wall is meshed in the first region, 50 mm, and as in plan_approach(), unless
+    /// the plan's elements are too large to be cut by hand. It is not meshed along a division beyond the incision,
+    /// which would nearly double it.
     SurgeryInput make_surgery_input(planner::Patient& patient, planner::Approach approach, const Job& job)
     {
         planner::check_approach(approach);

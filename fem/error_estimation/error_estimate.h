@@ -43,7 +43,8 @@ inline constexpr double kRecoverySafety = 1.2;
 /// make tell nothing about their error.
 inline constexpr double kMostShare = 1.0;
 /// Largest valid result of ten_node_share() where only a part of the elements has ten nodes. The others have an error
-/// too, which does not change; it may be larger than the change that the ten-node elements make.
+/// too, which does not change; it may be larger than the change that the ten-node elements make. The phantom's median
+/// sternotomy has a share of 2.8, and its bar contains the answer of finer meshes. Beyond four nothing was compared.
 inline constexpr double kMostShareOfMixed = 4.0;
 /// Least remaining share for an opening. An opening is not an energy, and the ends of the cut influence an opening
 /// more. Ten-node elements are therefore taken to lack at least this share of the difference, as at a singularity.

@@ -39,6 +39,16 @@ namespace {
                                "use a finer mesh";
     }
 
+    /// Whether some elements have fewer than ten nodes.
+    bool has_straight_edges(const mesh::TetMesh& mesh)
+    {
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
+                if (mesh::is_straight(mesh.tet(t), e))
+                    return true;
+        return false;
+    }
+
     /// The displacement of the wall's vertices, without the nodes of blades, which follow them.
     Points of_vertices(const PlannedField& field, const Points& displacement)
     {
@@ -104,8 +114,8 @@ namespace {
             return { .message = "the solution by four-node elements failed: " + result.message };
         ComparisonSolutions solutions;
         solutions.factor = fem::ten_node_share(field.problem, choice.elasticity, wound.ten_node, result.displacement);
-        const bool is_mixed = choice.element == ElementKind::mixed;
-        solutions.message = without_share(solutions.factor, is_mixed ? fem::kMostShareOfMixed : fem::kMostShare);
+        solutions.message = without_share(
+            solutions.factor, has_straight_edges(field.problem.mesh) ? fem::kMostShareOfMixed : fem::kMostShare);
         solutions.held = held_hooks(
             field.approach, coarse, { choice.elasticity }, result.displacement, result.hook_forces_N, wound.contact);
         solutions.other = { of_vertices(field, result.displacement), std::move(result.hook_forces_N) };

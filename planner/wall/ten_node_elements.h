@@ -21,7 +21,7 @@ enum class SoftLips {
     ten_nodes,
     /// Blades that bear on cut bone crush the tissue before the bone, and Newton's method takes many steps for it:
     /// soft elements that touch a lip, or are flat, get no midpoints, and soft elements that share an edge with one of
-    /// these neither. Without these midpoints the phantom's median sternotomy has a force 7 % larger.
+    /// these neither. Without these midpoints the phantom's median sternotomy has a force 5 to 7 % larger.
     four_nodes,
 };
 

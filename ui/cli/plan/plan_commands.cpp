@@ -331,7 +331,8 @@ namespace {
     /// The files of the opened wounds for other programs.
     struct Decks {
         std::string text; ///< a line for each: its file, or why it is not written
-        bool all_written = true;
+        Json written = Json::array(); ///< their files
+        Json refused = Json::array(); ///< of each: approach, format, and the reason
     };
 
     /// Writes a deck of each measured field. What a format cannot hold does not stop the others.
@@ -344,13 +345,19 @@ namespace {
                 if (!planner::is_measured(field))
                     continue;
                 const std::string& name = field.approach.name;
+                const fs::path earlier
+                    = staged.published(staged.folder() / (name + (format == "feb" ? ".feb" : ".inp")));
                 try {
                     const fs::path deck = export_problem(as_solved(field), format, staged.folder(), name);
-                    decks.text += staged.published(deck).string() + export_remark(format, field) + "\n";
+                    const std::string file = staged.published(deck).string();
+                    decks.text += file + export_remark(format, field) + "\n";
+                    decks.written.push_back(file);
                 } catch (const InputError& error) {
+                    const std::string reason = error.what() + (" (" + error.where() + ")");
                     decks.text += name + " is not written for " + (format == "feb" ? "FEBio" : "CalculiX") + ": "
-                        + error.what() + " (" + error.where() + ")\n";
-                    decks.all_written = false;
+                        + reason + (fs::exists(earlier) ? "; " + earlier.string() + " is of an earlier plan" : "")
+                        + "\n";
+                    decks.refused.push_back({ { "approach", name }, { "format", format }, { "reason", reason } });
                 }
             }
         return decks;
@@ -381,6 +388,10 @@ namespace {
         const std::vector<std::string> kept = keep_earlier_metrics(folder, staged.folder(), fields);
         outcome.document = write_metrics(staged.folder(), computed, patient, fields);
         staged.publish("metrics.json");
+        if (!formats.empty()) {
+            outcome.document["exports"] = decks.written;
+            outcome.document["not_exported"] = decks.refused;
+        }
         outcome.text = field_table(fields) + decks.text;
         if (!options.accuracy && !options.time_s
             && options.stiffness.empty()) // a plan that was hurried takes no better one's place
@@ -392,7 +403,7 @@ namespace {
         }
         if (const fs::path report = folder / "report.html"; !options.render && fs::exists(report))
             outcome.text += report.string() + " and its pictures show an earlier plan (add --render to renew them)\n";
-        outcome.exit_code = decks.all_written ? exit_code_of(fields) : 1;
+        outcome.exit_code = decks.refused.empty() ? exit_code_of(fields) : 1;
         return outcome;
     }
 
@@ -668,7 +679,7 @@ void add_plan_command(Commands& commands)
     CLI::App* command = commands.app.add_subcommand("plan", "Cut, open and measure the approaches of a case");
     command->footer("Example: retractor plan case.json --out plan --render\n"
                     "Example: retractor plan case.json --out plan --accuracy 10%,1 --time 1800\n"
-                    "Example: retractor plan case.json --out plan --reference ccx --export ccx,feb\n"
+                    "Example: retractor plan case.json --out plan --reference ccx --export ccx\n"
                     "Example: retractor plan case.json --out plan --elasticity hyperelastic --near 40 --check\n"
                     "Example: retractor plan case.json --out plan --pressure lung_left=1.3");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
@@ -705,7 +716,7 @@ void add_plan_command(Commands& commands)
         ->check(in_range(0.001, 1e6));
     command->add_option("--export", options->export_formats,
         "Also write the opened wound as a deck: ccx (CalculiX, .inp), feb (FEBio 4, .feb), or both, separated by a "
-        "comma");
+        "comma. FEBio files hold no joints of ribs with the spine and no hooks that turn");
     command->add_flag(
         "--check", options->check_far, "With --near: also solve all of the wall nonlinearly and state the difference");
     commands.on(command, [options](const Job& job) { return plan(*options, job); });

@@ -6003,5 +6003,9 @@
         <source>Preparing the tissue: %1 %2 %</source>
         <translation>組織を準備しています：%1 %2 %</translation>
     </message>
+    <message>
+        <source>building the model of the wall (about %1 s)</source>
+        <translation>体壁のモデルを作成中（約 %1 秒）</translation>
+    </message>
 </context>
 </TS>

@@ -54,12 +54,31 @@ namespace {
         { "compliance", kTouch },
     });
 
+    /// " (about 73 s)" of " (about 57,000 tetrahedra, about 73 s, 1.7 GiB)"; nothing where there is no time.
+    std::string time_of_forecast(std::string_view forecast)
+    {
+        constexpr std::string_view kBefore = "tetrahedra, ";
+        const std::size_t before = forecast.find(kBefore);
+        if (before == std::string_view::npos)
+            return {};
+        const std::string_view time = forecast.substr(before + kBefore.size());
+        return " (" + std::string(time.substr(0, time.find(','))) + ")";
+    }
+
 } // namespace
+
+std::span<const Words> stages_and_words() { return kWords; }
 
 std::string stage_in_words(std::string_view stage)
 {
-    const auto* known = std::ranges::find(kWords, stage, &Words::first);
-    return std::string(known == kWords.end() ? stage : known->second);
+    const std::size_t bracket = stage.find(" (");
+    const auto* known = std::ranges::find(kWords, stage.substr(0, bracket), &Words::first);
+    if (known == kWords.end())
+        return std::string(stage);
+    std::string words(known->second);
+    if (bracket != std::string_view::npos)
+        words += time_of_forecast(stage.substr(bracket));
+    return words;
 }
 
 } // namespace retractor::ui

@@ -354,7 +354,8 @@ void SearchDialog::show_progress()
         return timer_.stop();
     const SerialExecutor::Progress now = executor_.progress();
     progress_->setValue(static_cast<int>(std::lround(kProgressSteps * now.fraction)));
-    work_->setText(translated(cancelling_ ? "Cancelling" : "Searching: " + QString::fromStdString(stage_in_words(now.stage))));
+    work_->setText(
+        translated(cancelling_ ? "Cancelling" : "Searching: " + QString::fromStdString(stage_in_words(now.stage))));
 }
 
 void SearchDialog::show_failure(const QString& text)

@@ -119,6 +119,20 @@ namespace {
         return triangles;
     }
 
+    /// The outer skin of a mesh, without the faces where the skin was cut off.
+    void add_skin_of(Skin& skin, const mesh::TetMesh& wall, const Points& displacement,
+        std::span<const std::uint8_t> is_rim, const mesh::LabelFlags& is_skin)
+    {
+        const mesh::TetSurface meshed = mesh::boundary_surface(wall, displacement);
+        std::vector<std::size_t> outer = labelled(meshed.surface, is_skin);
+        std::erase_if(outer, [&](std::size_t t) {
+            return std::ranges::all_of(meshed.surface.triangles[t], [&](VertexId corner) {
+                return is_rim[static_cast<std::size_t>(meshed.vertex_of[static_cast<std::size_t>(corner)])] != 0;
+            });
+        });
+        skin.add(meshed.surface, outer);
+    }
+
     /// Per vertex the label of the bare bone to which it belongs; 0: other tissue lies round it, or it is no rim.
     std::vector<Label> bare_bones(
         const mesh::TetMesh& wall, std::span<const std::uint8_t> is_rim, const mesh::LabelTable& table)
@@ -153,27 +167,28 @@ std::vector<PiercingBone> bones_through_skin(const mesh::TetMesh& wall, const Po
         return {};
     const mesh::LabelFlags is_skin
         = mesh::flagged_labels(table, [](const mesh::LabelInfo& info) { return info.material == "skin"; });
-    Skin skin;
-    const mesh::TetSurface meshed = mesh::boundary_surface(wall, displacement);
-    std::vector<std::size_t> outer = labelled(meshed.surface, is_skin);
-    std::erase_if(outer, [&](std::size_t t) { // where the skin was cut off
-        return std::ranges::all_of(meshed.surface.triangles[t], [&](VertexId corner) {
-            return is_rim[static_cast<std::size_t>(meshed.vertex_of[static_cast<std::size_t>(corner)])] != 0;
-        });
-    });
-    skin.add(meshed.surface, outer);
+    Skin skin, at_rest;
+    add_skin_of(skin, wall, displacement, is_rim, is_skin);
     skin.add(beyond, labelled(beyond, is_skin));
     if (skin.empty())
         return {};
     skin.prepare();
+    if (beyond.triangles.empty()) {
+        add_skin_of(at_rest, wall, Points::Zero(displacement.rows(), 3), is_rim, is_skin);
+        at_rest.prepare();
+    }
     std::map<Label, PiercingBone> worst;
     for (std::size_t v = 0; v < bare.size(); ++v) {
         if (bare[v] == 0)
             continue;
         const auto row = static_cast<Eigen::Index>(v);
         const Vec3 at = wall.vertices.row(row).transpose();
-        const std::optional<double> out = skin.outside(at + displacement.row(row).transpose());
+        std::optional<double> out = skin.outside(at + displacement.row(row).transpose());
         if (!out || *out < kLeastPiercingMm)
+            continue;
+        if (!at_rest.empty())
+            *out -= std::max(0.0, at_rest.outside(at).value_or(0.0));
+        if (*out < kLeastPiercingMm)
             continue;
         PiercingBone& bone = worst[bare[v]];
         if (*out > bone.out_mm)

@@ -115,6 +115,31 @@ namespace rim_motion_test {
         }
     }
 
+    /// In a whole wall the skin is meshed. A coarse skin may run below a bare bone at rest: only motion counts.
+    TEST(BonesThroughSkin, ABoneThatIsOutsideAtRestCountsByItsMotion)
+    {
+        constexpr double kOutMm = 3.0, kMovedMm = 5.0, kThickMm = 5.0;
+        mesh::TetMesh wall = mesh::kuhn_box(20, 2, 2, 5.0, kBone); // up to z = 10
+        const auto of_bone = static_cast<VertexId>(wall.vertex_count());
+        const mesh::TetMesh skin = mesh::kuhn_box(48, 48, 1, kThickMm, kSkin);
+        wall.vertices.conservativeResize(of_bone + skin.vertices.rows(), 3);
+        wall.vertices.bottomRows(skin.vertices.rows())
+            = skin.vertices.rowwise() + Eigen::RowVector3d(-70.0, -115.0, 10.0 - kOutMm - kThickMm);
+        for (TetId t = 0; t < static_cast<TetId>(skin.tet_count()); ++t) {
+            for (const VertexId v : skin.tet(t))
+                wall.nodes.push_back(of_bone + v);
+            wall.labels.push_back(kSkin);
+        }
+        std::vector<std::uint8_t> is_rim(wall.vertex_count(), 0);
+        std::fill_n(is_rim.begin(), of_bone, std::uint8_t { 1 });
+        Points displacement = Points::Zero(wall.vertices.rows(), 3);
+        EXPECT_TRUE(bones_through_skin(wall, displacement, is_rim, {}, kTable).empty());
+        displacement.topRows(of_bone).col(2).setConstant(kMovedMm);
+        const std::vector<PiercingBone> out = bones_through_skin(wall, displacement, is_rim, {}, kTable);
+        ASSERT_EQ(out.size(), 1u);
+        EXPECT_NEAR(out.front().out_mm, kMovedMm, kRoundOff);
+    }
+
     TEST(BonesThroughSkin, AnOpenEdgeOfTheSkinSaysNothing)
     {
         BareBone bone(4.0);

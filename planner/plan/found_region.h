@@ -1,5 +1,5 @@
 #pragma once
-// Finds how much of a large wall a plan must mesh: as far as the tissue moves. A wound's ribs turn from spine to
+// Finds how much of the wall a plan must mesh: as far as the tissue moves. A wound's ribs turn from spine to
 // sternum, and carry skin and muscle far from the incision with them. Where the model ends nothing holds its tissue, so
 // a model that ends too early bears less than the body. A draft of the whole wall, with long edges and linear four-node
 // elements, shows where tissue moves; a second draft shows what the wall beyond does to the force. Units mm, N; forces
@@ -38,8 +38,8 @@ struct FoundRegion {
 /// A region grows by this factor while its rim moves too far, and shrinks by it where it does not fit the memory.
 inline constexpr double kRegionGrowth = 1.5;
 
-/// A wall that lies within this distance of the incision is meshed whole. The wall of most chests does: beyond 30 mm it
-/// is coarse, so that its mesh costs less than the drafts that would make it smaller (docs/method/meshing.md).
+/// A wall that lies within this distance of the incision is meshed whole where the plan's edges are as long as a
+/// draft's: the drafts would take longer than what they save. The wall of most chests lies within it.
 inline constexpr double kWholeWallMm = 450.0;
 
 /// Finds the smallest region whose rim moves less than kStillRimMm, by two to four drafts.

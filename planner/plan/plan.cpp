@@ -863,7 +863,8 @@ PlannedField plan_in_region(Patient& patient, const Approach& approach, const Jo
     check_approach(approach);
     check_plausible(patient.planned_case(), approach);
     const double whole_mm = whole_region_mm(*patient.labels(), approach.incision);
-    FoundRegion found = whole_mm <= checks.whole_wall_mm
+    const bool is_coarse = approach.sizing.corridor_edge_mm >= kDraftEdgeMm; // a draft would save less than it takes
+    FoundRegion found = is_coarse && whole_mm <= checks.whole_wall_mm
         ? FoundRegion { .region_mm = whole_mm, .measures = { .ended_by = RegionEnd::whole } }
         : find_region_of(patient, approach, whole_mm, checks, job);
     while (!found.cancelled) {

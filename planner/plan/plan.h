@@ -35,8 +35,8 @@ struct PlanChecks {
     /// plan_in_region() finds the region of an approach that gives none, once for all its meshes; otherwise the region
     /// is kFirstRegionMm. plan_approach() takes the region as it is.
     bool find_region = false;
-    /// A wall that lies within this distance of the incision is meshed whole, mm; of a larger one drafts show how much
-    /// moves (found_region.h).
+    /// A wall that lies within this distance of the incision is meshed whole, mm, where the plan's edges are as long as
+    /// a draft's, 12 mm. Of a larger wall, or with shorter edges, drafts show how much moves (found_region.h).
     double whole_wall_mm = kWholeWallMm;
     /// Memory that one plan may take, bytes; not set: all that is available. plan_all() divides what is available
     /// among the plans that run at the same time.

@@ -72,10 +72,11 @@ namespace region_plan_test {
         double whole_wall_mm = 0.0; ///< all walls count as large ones
     };
 
-    TEST(RegionPlan, AWallThatIsNotLargeIsMeshedWholeWithoutDrafts)
+    TEST(RegionPlan, OnLongEdgesAWallThatIsNotLargeIsMeshedWholeWithoutDrafts)
     {
         Cut cut("whole");
         cut.whole_wall_mm = kWholeWallMm;
+        cut.planned_case.approaches.front().sizing.corridor_edge_mm = 12.0; // as long as a draft's
         std::vector<double> forces, fine_forces;
         for (const unsigned seed : { 0U, 3U, 5U }) { // a single mesh of these edges may be off by a quarter
             const PlannedField found = cut.plan({}, seed);

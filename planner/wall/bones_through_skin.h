@@ -26,8 +26,8 @@ inline constexpr double kLeastPiercingMm = 2.0;
 
 /// Measures the signed distance of bare bones from the deformed skin: the skin of the mesh, and of the wall beyond the
 /// mesh. A place whose nearest skin is the open edge of that surface (a lip, the rim) says nothing, and is left out.
-/// Where there is no wall beyond the mesh, a bone that is outside at rest already, as where the coarse skin of a whole
-/// wall runs below the end of a bone in the image, counts by how much farther it comes out.
+/// Without a wall beyond the mesh, the coarse skin of a whole wall may run below the end of a bone in the image. Then
+/// the distance at rest is taken off.
 /// @param wall the cut wall at rest; @param displacement n x 3, mm, one row per vertex
 /// @param is_rim one per vertex of the wall, see rim_flags()
 /// @param beyond the deformed wall beyond the mesh with one label per triangle (unmeshed_wall_region()); may be empty

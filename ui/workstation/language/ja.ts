@@ -4304,14 +4304,6 @@
         <translation>体壁の切開を準備しています：%1</translation>
     </message>
     <message>
-        <source>mesh statistics %1 %</source>
-        <translation>メッシュの統計 %1 %</translation>
-    </message>
-    <message>
-        <source>mesh statistics</source>
-        <translation>メッシュの統計</translation>
-    </message>
-    <message>
         <source>read labels</source>
         <translation>ラベルの読み込み</translation>
     </message>
@@ -4320,40 +4312,12 @@
         <translation>ラベル</translation>
     </message>
     <message>
-        <source>error estimate</source>
-        <translation>誤差の推定</translation>
-    </message>
-    <message>
         <source>voxels</source>
         <translation>ボクセル</translation>
     </message>
     <message>
         <source>opening</source>
         <translation>開創</translation>
-    </message>
-    <message>
-        <source>opening, four-node elements</source>
-        <translation>開創（四節点要素）</translation>
-    </message>
-    <message>
-        <source>opening, linear</source>
-        <translation>開創（線形）</translation>
-    </message>
-    <message>
-        <source>opening, without hooks</source>
-        <translation>開創（鉤なし）</translation>
-    </message>
-    <message>
-        <source>opening, blades that hold</source>
-        <translation>開創（つかむブレード）</translation>
-    </message>
-    <message>
-        <source>opening, balance of the retractor</source>
-        <translation>開創（開創器の釣り合い）</translation>
-    </message>
-    <message>
-        <source>smaller opening</source>
-        <translation>より小さい開創</translation>
     </message>
     <message>
         <source>look for fragments</source>
@@ -4380,20 +4344,8 @@
         <translation>四面体</translation>
     </message>
     <message>
-        <source>refine tetrahedra</source>
-        <translation>四面体の細分</translation>
-    </message>
-    <message>
-        <source>optimise tetrahedra</source>
-        <translation>四面体の改善</translation>
-    </message>
-    <message>
         <source>label surface</source>
         <translation>ラベルの表面</translation>
-    </message>
-    <message>
-        <source>label field</source>
-        <translation>ラベルの場</translation>
     </message>
     <message>
         <source>viewing surface</source>
@@ -4412,28 +4364,12 @@
         <translation>器械</translation>
     </message>
     <message>
-        <source>expose, other lungs</source>
-        <translation>視野（別の肺）</translation>
-    </message>
-    <message>
-        <source>expose, organs higher</source>
-        <translation>視野（頭側の臓器）</translation>
-    </message>
-    <message>
-        <source>expose, other elements</source>
-        <translation>視野（別の要素）</translation>
-    </message>
-    <message>
         <source>pictures</source>
         <translation>画像</translation>
     </message>
     <message>
         <source>small pictures</source>
         <translation>小さな画像</translation>
-    </message>
-    <message>
-        <source>incisions by rays</source>
-        <translation>視線による切開の探索</translation>
     </message>
     <message>
         <source>cutting session</source>
@@ -4820,20 +4756,12 @@
         <translation>四面体 %1 %</translation>
     </message>
     <message>
-        <source>refine tetrahedra %1 %</source>
-        <translation>四面体の細分 %1 %</translation>
-    </message>
-    <message>
-        <source>optimise tetrahedra %1 %</source>
-        <translation>四面体の改善 %1 %</translation>
-    </message>
-    <message>
         <source>label surface %1 %</source>
         <translation>ラベルの表面 %1 %</translation>
     </message>
     <message>
-        <source>label field %1 %</source>
-        <translation>ラベルの場 %1 %</translation>
+        <source>building the model of the wall %1 %</source>
+        <translation>体壁のモデルを作成中 %1 %</translation>
     </message>
     <message>
         <source>look for fragments %1 %</source>
@@ -5996,16 +5924,24 @@
         <translation>臓器を触診できるようにしています</translation>
     </message>
     <message>
-        <source>Preparing the wall for cutting: %1 %2 %</source>
-        <translation>体壁の切開を準備しています：%1 %2 %</translation>
-    </message>
-    <message>
-        <source>Preparing the tissue: %1 %2 %</source>
-        <translation>組織を準備しています：%1 %2 %</translation>
-    </message>
-    <message>
         <source>building the model of the wall (about %1 s)</source>
         <translation>体壁のモデルを作成中（約 %1 秒）</translation>
+    </message>
+    <message>
+        <source>Preparing the tissue: %1</source>
+        <translation>組織を準備しています：%1</translation>
+    </message>
+    <message>
+        <source>making the organ palpable %1 %</source>
+        <translation>臓器を触診できるようにしています %1 %</translation>
+    </message>
+    <message>
+        <source>restoring the cuts %1 %</source>
+        <translation>切開を復元中 %1 %</translation>
+    </message>
+    <message>
+        <source>finding where a finger can go %1 %</source>
+        <translation>指の届く範囲を調べています %1 %</translation>
     </message>
 </context>
 </TS>

@@ -66,6 +66,10 @@ namespace language_test {
         for (const auto& [stage, words] : stages_and_words())
             EXPECT_TRUE(book.phrases.contains(QString::fromUtf8(words.data(), static_cast<int>(words.size()))))
                 << words;
+        EXPECT_EQ(translated(book, "Preparing the wall for cutting: building the model of the wall 30 %"),
+            QString::fromUtf8("体壁の切開を準備しています：体壁のモデルを作成中 30 %"));
+        EXPECT_EQ(translated(book, "Preparing the tissue: making the organ palpable 30 %"),
+            QString::fromUtf8("組織を準備しています：臓器を触診できるようにしています 30 %"));
         // Of the forecast of a plan the time stays.
         const std::string forecast = " (about 81,000 tetrahedra, about 120 s, 2.6 GiB)";
         const std::string words = stage_in_words("refine tetrahedra" + forecast);

@@ -406,6 +406,15 @@ std::vector<std::uint8_t> ElasticBody::touched_nodes(const Eigen::VectorXd& u) c
     return touched;
 }
 
+void ElasticBody::stiffen(std::span<const TetId> elements, double factor)
+{
+    RETRACTOR_ASSERT(has_parts() && factor > 0.0);
+    for (const TetId t : elements) {
+        Lame& lame = lame_[static_cast<std::size_t>(t)];
+        lame = { factor * lame.mu, factor * lame.lambda };
+    }
+}
+
 ElasticBody ElasticBody::part(const std::vector<TetId>& elements, std::vector<VertexId>& nodes) const
 {
     RETRACTOR_ASSERT(has_parts());

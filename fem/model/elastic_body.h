@@ -19,6 +19,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace retractor::fem {
@@ -100,6 +101,8 @@ public:
 
     /// Whether part() can be taken: of linear and corotational elements without avoid_locking().
     bool has_parts() const { return model_ != Elasticity::hyperelastic && !corotational_linear_ && !locking_free_; }
+    /// Multiplies the stiffness of some elements. @pre has_parts()
+    void stiffen(std::span<const TetId> elements, double factor);
     /// Some elements as a body of their own, without bed, hinges, loads, contact and blades.
     /// @param nodes receives the node of this body for each node of the part, ascending. @pre has_parts()
     ElasticBody part(const std::vector<TetId>& elements, std::vector<VertexId>& nodes) const;

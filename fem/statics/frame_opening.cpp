@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -140,6 +141,16 @@ namespace {
             best_ = found_;
             if (how_.hold_without_balance && !how_.direction_is_held)
                 first_ = found_;
+            if (!find_balance())
+                return;
+            if (how_.stiffen_inverted && options_.elasticity == Elasticity::corotational && !options_.locking_free)
+                stiffen_inverted();
+            found_.opening.message += formatted("; the retractor is in balance after %d opening(s)", found_.openings);
+        }
+
+        /// @returns false where there is none; status and message then say why
+        bool find_balance()
+        {
             while (!is_in_balance()) {
                 const bool is_nearly = found_.imbalance <= how_.tolerance && !must_be_held();
                 const std::string why = out_of_range();
@@ -147,19 +158,24 @@ namespace {
                     continue_from(found_.opening.displacement);
                     open(found_.state, balancing_, options_.tolerance);
                 } else if (!why.empty() || found_.openings >= how_.most_openings) {
-                    if (!first_)
-                        return fail(why);
+                    if (!first_) {
+                        fail(why);
+                        return false;
+                    }
                     hold_direction();
                 } else if (!step()) {
-                    if (!first_)
-                        return end_with_best();
+                    if (!first_) {
+                        end_with_best();
+                        return false;
+                    }
                     hold_direction();
                 }
+                if (found_.opening.status == OpeningStatus::cancelled)
+                    end_cancelled();
                 if (!is_open())
-                    return;
+                    return false;
             }
-            turn_elements_back();
-            found_.opening.message += formatted("; the retractor is in balance after %d opening(s)", found_.openings);
+            return true;
         }
 
         /// A frame that is to be held where it turns too far is not in balance there.
@@ -197,23 +213,33 @@ namespace {
             }
         }
 
-        /// Elements may still be turned over where the energy has settled: a few steps more turn some of them back.
-        /// The search ends after this.
-        void turn_elements_back()
+        /// Makes the elements that are turned over stiffer until they resist, and balances the frame again. Blades that
+        /// bear on cut bone crush the tissue before it. Where this leads to no balance, the last one stays. The search
+        /// ends after this.
+        void stiffen_inverted()
         {
-            constexpr double kFiner = 0.01; // energy tolerance, over that of the last opening
-            constexpr int kMostIterations = 5; // surfaces in contact get four times as many
-            if (found_.opening.inverted_elements == 0 || options_.energy_tolerance == 0.0)
-                return;
-            const FrameOpening last = found_;
-            energy_tolerance_ = kFiner * options_.energy_tolerance;
-            continue_from(last.opening.displacement);
-            opening_.set_max_newton_iterations(std::min(kMostIterations, options_.max_newton_iterations));
-            open(last.state, balancing_, options_.tolerance);
-            const bool is_better = is_open() && found_.imbalance <= how_.tolerance
-                && found_.opening.inverted_elements < last.opening.inverted_elements;
-            if (!is_better) // also where the time is up meanwhile: the balance is there
-                found_ = last;
+            constexpr double kStiffer = 10.0;
+            constexpr int kRounds = 3, kOpeningsOfARound = 5;
+            first_.reset(); // the frame stays free or held, as it is in balance
+            const double before_N = largest_force(found_);
+            std::set<TetId> stiffened;
+            for (int round = 0; round < kRounds && found_.opening.inverted_elements > 0; ++round) {
+                FrameOpening last = found_;
+                opening_.stiffen(last.opening.inverted, kStiffer);
+                stiffened.insert(last.opening.inverted.begin(), last.opening.inverted.end());
+                how_.most_openings = found_.openings + kOpeningsOfARound;
+                continue_from(last.opening.displacement);
+                open(last.state, balancing_, options_.tolerance);
+                best_ = found_;
+                before_ = std::numeric_limits<double>::infinity();
+                if (!is_open() || !find_balance()
+                    || found_.opening.inverted_elements > last.opening.inverted_elements) {
+                    found_ = std::move(last);
+                    return;
+                }
+                found_.opening.stiffened_elements = static_cast<int>(stiffened.size());
+                found_.opening.stiffening_changed_N = std::abs(largest_force(found_) - before_N);
+            }
         }
 
         /// Holds the frame in the direction in which it was placed, and begins at the first opening of the search
@@ -400,15 +426,28 @@ namespace {
 
         void fail(const std::string& why)
         {
-            const double force = std::max(found_.loads[0].force_N.norm(), found_.loads[1].force_N.norm());
             found_.opening.status = OpeningStatus::not_converged;
-            found_.opening.message
-                = formatted("the retractor found no balance in %d opening(s): at %.1f mm between its "
-                            "blades they bear up to %.3g N, and %.3g N of it are not balanced",
-                      found_.openings, found_.state.distance, force,
-                      found_.imbalance * std::max(force, drive_.force_N.value_or(0.0)))
-                + why;
+            found_.opening.message = no_balance(found_, found_.openings) + why;
             end_with_best();
+        }
+
+        void end_cancelled()
+        {
+            found_.opening.message = no_balance(best_, found_.openings);
+            end_with_best();
+        }
+
+        static double largest_force(const FrameOpening& at)
+        {
+            return std::max(at.loads[0].force_N.norm(), at.loads[1].force_N.norm());
+        }
+
+        std::string no_balance(const FrameOpening& at, int openings) const
+        {
+            const double force = largest_force(at);
+            return formatted("the retractor found no balance in %d opening(s): at %.1f mm between its "
+                             "blades they bear up to %.3g N, and %.3g N of it are not balanced",
+                openings, at.state.distance, force, at.imbalance * std::max(force, drive_.force_N.value_or(0.0)));
         }
 
         /// Ends a search without balance: the state is that of the best balance on the way, status and message stay.

@@ -48,6 +48,9 @@ struct FrameOptions {
     double most_turned = std::numbers::pi; ///< rad: the search ends where the frame turns further
     bool direction_is_held = false; ///< by a hand or an arm at the table: the frame drifts, and does not tilt
     bool hold_without_balance = false; ///< a free frame without balance is held, and the search goes on
+    /// In balance, elements that are turned over are made ten times stiffer, up to three times over
+    /// (OpeningResult::stiffened_elements). Not for hyperelastic and locking-free elements.
+    bool stiffen_inverted = false;
 };
 
 /// A state from which a further search begins: the answer of other elements, or a place for the frame.
@@ -59,7 +62,8 @@ struct FrameStart {
 };
 
 struct FrameOpening {
-    OpeningResult opening; ///< not converged, with a message, when the retractor finds no balance
+    /// Without a balance it is not converged, or cancelled: the state is the nearest to balance, and a message says so.
+    OpeningResult opening;
     std::vector<HookPatch> blades; ///< the two blades at their final places
     FrameState state;
     std::array<BladeLoad, 2> loads; ///< that the retractor applies to the tissue

@@ -86,8 +86,10 @@ namespace {
         result.strain_p99 = strain_percentile(body, d, prescribed.hook_of_node);
         result.max_volume_ratio = *std::max_element(d.largest_ratio.begin(), d.largest_ratio.end());
         result.min_volume_ratio = *std::min_element(d.smallest_ratio.begin(), d.smallest_ratio.end());
-        result.inverted_elements = static_cast<int>(
-            std::count_if(d.smallest_ratio.begin(), d.smallest_ratio.end(), [](double r) { return r <= 0.0; }));
+        for (std::size_t t = 0; t < d.smallest_ratio.size(); ++t)
+            if (d.smallest_ratio[t] <= 0.0)
+                result.inverted.push_back(static_cast<TetId>(t));
+        result.inverted_elements = static_cast<int>(result.inverted.size());
         result.strain = std::move(d.strain);
         result.volume_ratio = std::move(d.volume_ratio);
         if (body.contact() != nullptr) {
@@ -307,6 +309,13 @@ void Opening::set_tolerance(double tolerance, double energy_tolerance)
     check_tolerances(tolerance, energy_tolerance);
     state_->options.tolerance = tolerance;
     state_->options.energy_tolerance = energy_tolerance;
+}
+
+void Opening::stiffen(std::span<const TetId> elements, double factor)
+{
+    State& s = *state_;
+    RETRACTOR_ASSERT(s.body && s.body->has_parts());
+    s.body->stiffen(elements, factor);
 }
 
 OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)

@@ -65,6 +65,10 @@ public:
     /// @throws InputError on a tolerance that is not between 0 and 1; the second may be 0
     void set_tolerance(double tolerance, double energy_tolerance);
 
+    /// Multiplies the stiffness of some elements for the openings that follow.
+    /// @pre open() was called; the elements have corotational or linear elasticity and are not locking-free
+    void stiffen(std::span<const TetId> elements, double factor);
+
     /// Stiffness against small motions of the hooks' nodes, linearised at the state of the last open(); cheaper than
     /// motion_response(), because the ordering is there.
     /// @param displacement n x 3, mm, all nodes: of the last open()

@@ -72,7 +72,10 @@ struct [[nodiscard]] OpeningResult {
     Eigen::VectorXd hook_nodal_forces_N {};
     std::vector<double> strain; ///< per element: largest principal Green-Lagrange strain (P2: element mean)
     double strain_p99 = 0.0; ///< 99th percentile by volume, outside elements that touch a hook patch or blade
-    int inverted_elements = 0; ///< elements with det F <= 0 at any evaluation point
+    int inverted_elements = 0; ///< number of `inverted`
+    std::vector<TetId> inverted {}; ///< elements with det F <= 0 at any evaluation point, ascending
+    int stiffened_elements = 0; ///< number of elements made stiffer (FrameOptions::stiffen_inverted)
+    double stiffening_changed_N = 0.0; ///< change of the larger blade force by this
     double max_volume_ratio = 1.0; ///< largest det F
     double min_volume_ratio = 1.0; ///< smallest det F
     std::vector<double> volume_ratio; ///< per element: deformed volume over rest volume

@@ -201,6 +201,12 @@ namespace {
                 of_other);
             add_hooks(bars, field, *solutions.plain, solutions.other, solutions.lacking);
         }
+        if (const double by_stiffening = field.opening.stiffening_changed_N; by_stiffening > 0.0) {
+            for (double& bar : bars.hook_forces_N)
+                bar += by_stiffening;
+            for (double& bar : bars.side_forces_N)
+                bar += by_stiffening;
+        }
         bars.hook_force_N = std::max(bars.side_forces_N[0], bars.side_forces_N[1]);
         bars.energy = solutions.energy;
     }

@@ -178,6 +178,7 @@ namespace {
         };
         if (!problem.blades.empty())
             how.tolerance = kContactBalance;
+        how.stiffen_inverted = true;
         else if (problem.mesh.nodes_per_tet == 10)
             how.tolerance = kTenNodeBalance;
         return how;
@@ -324,6 +325,7 @@ namespace {
         rough.tolerance = std::max(kStartTolerance, options.tolerance);
         const fem::FrameOpening held = fem::open_with_frame(hold, frame, drive, rough, roughly, named, linear);
         if (held.opening.status == fem::OpeningStatus::cancelled || !is_usable(held.opening))
+        roughly.stiffen_inverted = false;
             return fem::open_with_frame(problem, frame, drive, options, how, job);
         fem::ElasticProblem placed = problem;
         placed.hooks = fem::blades_at(frame, held.state, problem.hooks);
@@ -372,6 +374,7 @@ namespace {
         if (is_usable(coarse.opening) && goes_on && !goes_on(coarse.opening)) {
             take_retractor(opened, frame, std::move(coarse));
             opened.ended_by_test = true;
+        roughly.stiffen_inverted = false;
             opened.coarse = std::move(opened.opening);
             opened.opening = {};
             return;

@@ -447,6 +447,12 @@ namespace {
 
     /// "muscle, 85 mm from the incision towards the back".
     std::string place_in_words(const RimMotion& rim, const std::vector<Vec3>& line, const mesh::LabelTable& table,
+        if (const int stiffened = field.opening.stiffened_elements; stiffened > 0)
+            remark(field.message,
+                formatted(
+                    "%d element(s) that the blades turned inside out are computed at least 10 times stiffer, which "
+                    "changes the force by %.2g N",
+                    stiffened, field.opening.stiffening_changed_N));
         const AnatomicalFrame& frame)
     {
         Vec3 middle = Vec3::Zero();

@@ -157,6 +157,27 @@ namespace assembly_test {
         return { verification::l2_error(mesh, u, smooth), std::sqrt(exact - loads.dot(u)) };
     }
 
+    TEST(Body, StiffenedElementsRespondAsStifferTissueDoes)
+    {
+        constexpr double kFactor = 10.0;
+        const mesh::TetMesh box = mesh::kuhn_box(2, 2, 2, 20.0);
+        const std::vector<TetId> some { 3, 7, 20 };
+        const Lame soft { 0.02, 0.1 };
+        std::vector<Lame> lame(box.tet_count(), soft);
+        ElasticBody body(box, Elasticity::corotational, lame);
+        for (const TetId t : some)
+            lame[static_cast<std::size_t>(t)] = { kFactor * soft.mu, kFactor * soft.lambda };
+        const ElasticBody stiffer(box, Elasticity::corotational, lame);
+        Eigen::VectorXd u(3 * box.vertices.rows());
+        for (Eigen::Index i = 0; i < u.size(); ++i)
+            u[i] = std::sin(1.0 + 7.0 * static_cast<double>(i)); // mm
+        const double before = body.response(u).energy;
+        body.stiffen(some, kFactor);
+        EXPECT_GT(body.response(u).energy, before);
+        EXPECT_DOUBLE_EQ(body.response(u).energy, stiffer.response(u).energy);
+        EXPECT_TRUE(body.response(u).forces.isApprox(stiffer.response(u).forces));
+    }
+
     TEST(Convergence, ManufacturedSolutionHasTheExpectedOrders)
     {
         struct Case {

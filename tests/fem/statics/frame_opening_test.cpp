@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -364,6 +365,39 @@ namespace frame_opening_test {
         const FrameOpening free = block.open(drive, kExactOpening, { .tolerance = 1e-6, .hold_without_balance = true });
         EXPECT_FALSE(free.direction_is_held);
         EXPECT_NEAR(Eigen::AngleAxisd(free.state.rotation).angle(), free_turn, kRoundOff);
+    }
+
+    TEST(FrameOpening, WithoutElementsThatAreTurnedOverNoneIsMadeStiffer)
+    {
+        const FramedBlock block;
+        FrameOptions how {};
+        const OpeningOptions options { .elasticity = Elasticity::corotational };
+        const FrameOpening plain = block.open({ .distance_mm = kOpeningMm }, options, how);
+        how.stiffen_inverted = true;
+        const FrameOpening same = block.open({ .distance_mm = kOpeningMm }, options, how);
+        ASSERT_EQ(same.opening.status, OpeningStatus::converged) << same.opening.message;
+        EXPECT_EQ(same.opening.stiffened_elements, 0);
+        EXPECT_EQ(same.openings, plain.openings);
+        EXPECT_NEAR(blade_force(same), blade_force(plain), kRoundOff * blade_force(plain));
+    }
+
+    TEST(FrameOpening, AStifferElementOfAnOpeningBearsMore)
+    {
+        const FramedBlock block;
+        Opening opening(block.problem, { .elasticity = Elasticity::corotational, .tolerance = 1e-8 });
+        std::vector<HookPatch> hooks = block.problem.hooks;
+        hooks[0].displacement = -3.0 * Vec3::UnitX();
+        hooks[1].displacement = 3.0 * Vec3::UnitX();
+        const OpeningResult before = opening.open(hooks);
+        ASSERT_EQ(before.status, OpeningStatus::converged) << before.message;
+        std::vector<TetId> all(block.problem.mesh.tet_count());
+        std::iota(all.begin(), all.end(), 0);
+        opening.stiffen(all, 2.0); // the beds at the ends stay as they are
+        const OpeningResult after = opening.open(hooks);
+        ASSERT_EQ(after.status, OpeningStatus::converged) << after.message;
+        const double ratio = after.hook_forces_N[1].norm() / before.hook_forces_N[1].norm();
+        EXPECT_GT(ratio, 1.0);
+        EXPECT_LT(ratio, 2.0);
     }
 
     TEST(FrameOpening, BadInputIsNamed)

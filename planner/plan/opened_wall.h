@@ -26,6 +26,9 @@ struct OpenedWall {
     std::size_t near_tets = 0; ///< number of nonlinear elements of an opening with a linear region; else 0
     fem::OpeningResult opening {}; ///< displacements of the wall's vertices, without midpoints
     std::optional<PlacedRetractor> retractor {}; ///< with a retractor; its blades are the hooks
+    /// With a retractor whose blades are in contact: the largest force of a blade where the blades hold the tissue, in
+    /// four-node elements, N; 0: not known. Contact begins there.
+    double held_force_N = 0.0;
     /// A StageTest ended the opening: only `coarse` is filled, and with a retractor `hooks` and `retractor` of it.
     bool ended_by_test = false;
 };

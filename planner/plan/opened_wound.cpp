@@ -6,9 +6,11 @@
 #include "fem/statics/nonlinear_region.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/assert.h"
+#include "mesh/base/text_format.h"
 #include "mesh/image/skeleton.h"
 #include "planner/approach/hook_patches.h"
 #include "planner/approach/retractors.h"
+#include "planner/measures/verdict.h"
 #include "planner/plan/contact_where_needed.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/ten_node_elements.h"
@@ -176,9 +178,9 @@ namespace {
         fem::FrameOptions how {
             .most_turned = kMostTilted, .direction_is_held = direction_is_held, .hold_without_balance = true
         };
+        how.stiffen_inverted = true;
         if (!problem.blades.empty())
             how.tolerance = kContactBalance;
-        how.stiffen_inverted = true;
         else if (problem.mesh.nodes_per_tet == 10)
             how.tolerance = kTenNodeBalance;
         return how;
@@ -307,8 +309,10 @@ namespace {
 
     /// Opens four-node elements with a retractor. Blades in contact begin where the retractor is in balance with blades
     /// that hold the tissue: a frame that has not turned with its wound yet presses with many times the force.
+    /// @param held_force_N set as OpenedWall::held_force_N
     fem::FrameOpening open_four_node(const fem::ElasticProblem& problem, const PlannedField& field,
-        const fem::RackDrive& drive, const fem::OpeningOptions& options, fem::FrameOptions how, const Job& job)
+        const fem::RackDrive& drive, const fem::OpeningOptions& options, fem::FrameOptions how, double& held_force_N,
+        const Job& job)
     {
         const fem::BladeFrame frame = blade_frame_of(field.approach);
         if (problem.blades.empty() && options.elasticity == fem::Elasticity::linear)
@@ -321,12 +325,14 @@ namespace {
         const Job named = as_stage(job, "opening, blades that hold");
         fem::FrameOptions roughly = how;
         roughly.tolerance = std::max(kStartBalance, how.tolerance);
+        roughly.stiffen_inverted = false;
         fem::OpeningOptions rough = options;
         rough.tolerance = std::max(kStartTolerance, options.tolerance);
         const fem::FrameOpening held = fem::open_with_frame(hold, frame, drive, rough, roughly, named, linear);
         if (held.opening.status == fem::OpeningStatus::cancelled || !is_usable(held.opening))
-        roughly.stiffen_inverted = false;
             return fem::open_with_frame(problem, frame, drive, options, how, job);
+        for (const fem::BladeLoad& load : held.loads)
+            held_force_N = std::max(held_force_N, load.force_N.norm());
         fem::ElasticProblem placed = problem;
         placed.hooks = fem::blades_at(frame, held.state, problem.hooks);
         how.direction_is_held = held.direction_is_held;
@@ -338,9 +344,10 @@ namespace {
     /// @param start an opening of the same elements from which the search begins, or nullptr: it begins at rest, as it
     /// does where this start leads to no balance
     /// @param problem four-node elements
+    /// @param held_force_N set as OpenedWall::held_force_N
     fem::FrameOpening open_four_node_from(const OpenedWall* start, const fem::ElasticProblem& problem,
         const PlannedField& field, const fem::RackDrive& drive, const fem::OpeningOptions& options,
-        const fem::FrameOptions& how, const Job& job)
+        const fem::FrameOptions& how, double& held_force_N, const Job& job)
     {
         if (start != nullptr && start->retractor && start->coarse) {
             fem::FrameOptions as_start = how;
@@ -350,7 +357,7 @@ namespace {
             if (is_usable(found.opening) || found.opening.status == fem::OpeningStatus::cancelled)
                 return found;
         }
-        return open_four_node(problem, field, drive, options, how, job);
+        return open_four_node(problem, field, drive, options, how, held_force_N, job);
     }
 
     /// Opens a wall with a retractor. Ten-node elements begin where the retractor is in balance in four-node elements.
@@ -363,18 +370,18 @@ namespace {
         const fem::ElasticProblem& problem = field.problem;
         set_tolerances(options, problem);
         if (problem.mesh.nodes_per_tet != 10 || options.elasticity == fem::Elasticity::linear)
-            return take_retractor(
-                opened, frame, open_four_node(problem, field, drive, options, balance_of(problem), job));
+            return take_retractor(opened, frame,
+                open_four_node(problem, field, drive, options, balance_of(problem), opened.held_force_N, job));
         fem::FrameOptions how = balance_of(problem), roughly = how;
         roughly.tolerance = kStartBalance;
+        roughly.stiffen_inverted = false;
         fem::FrameOpening coarse = open_four_node_from(start_of_four_node, fem::without_midpoints(problem), field,
-            drive, options, roughly, as_stage(job, "opening, four-node elements"));
+            drive, options, roughly, opened.held_force_N, as_stage(job, "opening, four-node elements"));
         if (coarse.opening.status == fem::OpeningStatus::cancelled)
             return take_retractor(opened, frame, std::move(coarse));
         if (is_usable(coarse.opening) && goes_on && !goes_on(coarse.opening)) {
             take_retractor(opened, frame, std::move(coarse));
             opened.ended_by_test = true;
-        roughly.stiffen_inverted = false;
             opened.coarse = std::move(opened.opening);
             opened.opening = {};
             return;
@@ -527,6 +534,12 @@ ContactOpening solve_or_hold(PlannedField& field, const std::function<ContactOpe
     if (field.problem.blades.empty() || solved.opened.opening.status == fem::OpeningStatus::cancelled
         || is_usable(solved.opened.opening))
         return solved;
+    if (const double held_N = solved.opened.held_force_N; held_N > kImpossibleForceN) {
+        solved.opened.opening.message += formatted("; blades that hold the tissue would bear %.0f N, and no retractor "
+                                                   "pulls with more than %.0f N",
+            held_N, kImpossibleForceN);
+        return solved;
+    }
     hold_with_blades(field);
     return solve();
 }
@@ -621,6 +634,24 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelV
     const Job& job, const OpenedWall* start)
 {
     return open_wound(field, patient, patient.planned_case(), labels, std::move(cut), job, start);
+}
+
+void end_unfinished(PlannedField& field, OpenedWound& wound, const std::string& why)
+{
+    RETRACTOR_ASSERT(field.status == PlanStatus::cancelled && field.opening.status == fem::OpeningStatus::cancelled);
+    const Eigen::Index corners = field.wall.vertices.rows();
+    Points& displacement = field.opening.displacement; // may be of ten-node elements, whose midpoints come last
+    if (displacement.rows() < corners)
+        displacement = Points::Zero(corners, 3);
+    displacement.conservativeResize(corners, 3);
+    field.opening.far.reset();
+    field.opening.status = fem::OpeningStatus::not_converged;
+    field.opening.message = why + "; " + field.opening.message;
+    field.status = PlanStatus::not_converged;
+    if (wound.rigid.vertices.empty())
+        return;
+    wound.rigid.solved = displacement;
+    move_rigid_pieces(field.wall, wound.rigid.vertices, displacement);
 }
 
 fem::ElasticProblem problem_with_fixed_hooks(const PlannedField& field)

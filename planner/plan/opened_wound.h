@@ -92,7 +92,8 @@ OpenedWall reopen_wall(
     const PlannedField& field, const OpenedWound& wound, double share, const SolverSettings& choice, const Job& job);
 
 /// Solves the wound of field.problem. Where blades in contact find no equilibrium, they hold the tissue and the wound
-/// is solved once more; the field's problem, its approach and PlannedField::contact_was_lost then say so.
+/// is solved once more; the field's problem, its approach and PlannedField::contact_was_lost then say so. Where blades
+/// that hold would bear more than kImpossibleForceN (verdict.h), no such answer could be used, and none is made.
 /// @param solve of field.problem as it is when called
 /// @throws as `solve`
 ContactOpening solve_or_hold(PlannedField& field, const std::function<ContactOpening()>& solve);
@@ -109,6 +110,12 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelV
 /// The same for another case of the same patient, with other solver settings.
 OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planned_case, const mesh::LabelVolume& labels,
     CutWall cut, const Job& job, const OpenedWall* start = nullptr);
+
+/// Ends a field whose opening was cancelled because its time was up: the last state of the search stays, marked as not
+/// in equilibrium (PlanStatus::not_converged).
+/// @param why begins the field's mechanics message
+/// @pre open_wound() gave this wound, and the field's status is PlanStatus::cancelled
+void end_unfinished(PlannedField& field, OpenedWound& wound, const std::string& why);
 
 /// The opening of a field, as another opening begins with it.
 OpenedWall opened_wall_of(const PlannedField& field, const OpenedWound& wound);

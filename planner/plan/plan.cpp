@@ -7,6 +7,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/memory.h"
 #include "mesh/base/text_format.h"
+#include "mesh/base/time_limit.h"
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/image/skeleton.h"
 #include "planner/approach/bearing_points.h"
@@ -435,24 +436,28 @@ namespace {
     }
 
     /// @param start as open_wound()
+    /// @param time_s as PlanChecks::opening_time_s
     bool open_cut_wall(PlannedField& field, OpenedWound& wound, CutWall cut, Patient& patient,
-        const mesh::LabelVolume& labels, const OpenedWall* start, const Job& job)
+        const mesh::LabelVolume& labels, const OpenedWall* start, double time_s, const Job& job)
     {
         const StageTimer timer(field.metrics, "open");
-        wound = open_wound(field, patient, labels, std::move(cut), job, start);
+        TimeLimit limit(job, time_s);
+        wound = open_wound(field, patient, labels, std::move(cut), limit.job(), start);
+        if (limit.is_over() && field.status == PlanStatus::cancelled)
+            end_unfinished(field, wound, formatted("no equilibrium was found in %.0f s", time_s));
         if (field.status != PlanStatus::done && field.status != PlanStatus::cancelled)
             remark(field.message, field.opening.message);
-        return field.status != PlanStatus::cancelled;
-    }
-
-    /// "muscle, 85 mm from the incision towards the back".
-    std::string place_in_words(const RimMotion& rim, const std::vector<Vec3>& line, const mesh::LabelTable& table,
         if (const int stiffened = field.opening.stiffened_elements; stiffened > 0)
             remark(field.message,
                 formatted(
                     "%d element(s) that the blades turned inside out are computed at least 10 times stiffer, which "
                     "changes the force by %.2g N",
                     stiffened, field.opening.stiffening_changed_N));
+        return field.status != PlanStatus::cancelled;
+    }
+
+    /// "muscle, 85 mm from the incision towards the back".
+    std::string place_in_words(const RimMotion& rim, const std::vector<Vec3>& line, const mesh::LabelTable& table,
         const AnatomicalFrame& frame)
     {
         Vec3 middle = Vec3::Zero();
@@ -764,7 +769,7 @@ namespace {
         const auto labels = patient.labels();
         PlannedField& field = made.field;
         release_tension(field, made.cut, made.uncut, patient);
-        if (!open_cut_wall(field, wound, std::move(made.cut), patient, *labels, start, job)
+        if (!open_cut_wall(field, wound, std::move(made.cut), patient, *labels, start, checks.opening_time_s, job)
             || !expose_target(field, patient, *labels, made.sizing, job)
             || !estimate(field, wound, patient, checks, job))
             return;
@@ -917,7 +922,8 @@ void plan_samples(Patient& patient, const Approach& approach, std::span<const St
             open_and_measure(own, wound, patient, nullptr, job, checks);
         } else {
             release_tension(own.field, own.cut, own.uncut, patient);
-            open_cut_wall(own.field, wound, std::move(own.cut), patient, *patient.labels(), nullptr, job);
+            open_cut_wall(
+                own.field, wound, std::move(own.cut), patient, *patient.labels(), nullptr, checks.opening_time_s, job);
         }
         if (job.cancelled())
             return;

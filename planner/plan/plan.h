@@ -20,6 +20,10 @@
 
 namespace retractor::planner {
 
+/// Ours: the openings of the phantom's and the patient's approaches take 1 to 8 minutes on two cores, and a busy
+/// machine takes a few times as long.
+inline constexpr double kMostOpeningS = 1800.0;
+
 /// What a plan computes besides the opened wound.
 struct PlanChecks {
     /// Also solves the whole wall nonlinearly, and reports the difference from the solution with a linear region.
@@ -41,6 +45,9 @@ struct PlanChecks {
     /// Memory that one plan may take, bytes; not set: all that is available. plan_all() divides what is available
     /// among the plans that run at the same time.
     std::optional<double> memory_bytes {};
+    /// Time for one search of the opened wound's equilibrium, s. The plan ends after it with the state that came
+    /// nearest (PlanStatus::not_converged).
+    double opening_time_s = kMostOpeningS;
 };
 
 /// Checks the case's settings before any long computation.

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "planner/approach/retractors.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/verdict.h"
 #include "tests/support/block_case.h"
 
 #include <Eigen/Geometry>
@@ -85,6 +86,53 @@ namespace retractor_plan_test {
             EXPECT_NE(retractor_text(field.metrics).find("left blade"), std::string::npos)
                 << retractor_text(field.metrics);
         }
+    }
+
+    TEST(RetractorPlan, AnOpeningWhoseTimeIsUpIsMarkedAndNotWithoutAnAnswer)
+    {
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Case planned_case = test_support::block_case("time", phantom);
+        Patient patient(planned_case, {});
+        Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 0.0);
+        approach.hooks.clear();
+        approach.sizing.region_mm = 30.0;
+        approach.retractor
+            = make_retractor(approach, find_retractor(built_in_retractors(), "midcab"), { .opening_mm = kOpeningMm });
+        for (const ElementKind element : { ElementKind::p1, ElementKind::mixed }) {
+            SolverSettings choice;
+            choice.element = element;
+            Case with_element = planned_case;
+            with_element.solution = choice;
+            Patient own(with_element, {});
+            const PlannedField field = plan_approach(own, approach, {}, { .opening_time_s = 0.0 });
+            EXPECT_EQ(field.status, PlanStatus::not_converged);
+            EXPECT_NE(field.message.find("no equilibrium was found in 0 s"), std::string::npos) << field.message;
+            EXPECT_EQ(field.opening.displacement.rows(), field.wall.vertices.rows());
+            EXPECT_TRUE(field.opening.displacement.allFinite());
+            EXPECT_FALSE(why_not_to_use(field.metrics).empty());
+        }
+    }
+
+    TEST(RetractorPlan, ElementsThatBladesTurnInsideOutAreMadeStifferUntilTheyResist)
+    {
+        constexpr double kFarMm = 30.0; // more than four-node elements at the rims of fixed blades bear
+        int stiffened = 0;
+        for (const unsigned seed : { 0U, 1U }) {
+            const PlannedField field
+                = plan_with({ .opening_mm = kFarMm }, { .element = ElementKind::p1 }, HookHold::fixed, seed);
+            ASSERT_EQ(field.status, PlanStatus::done) << field.message;
+            EXPECT_EQ(field.metrics.inverted_elements, 0);
+            if (field.opening.stiffened_elements == 0)
+                continue;
+            stiffened += field.opening.stiffened_elements;
+            EXPECT_NE(field.message.find("turned inside out are computed"), std::string::npos) << field.message;
+            // They are few, and bear little of the force.
+            constexpr double kLittle = 0.02;
+            EXPECT_LT(field.opening.stiffening_changed_N, kLittle * field.metrics.hook_force_N);
+            ASSERT_TRUE(field.metrics.error && field.metrics.error->message.empty());
+            EXPECT_GT(field.metrics.error->hook_force_N, field.opening.stiffening_changed_N);
+        }
+        EXPECT_GT(stiffened, 0) << "this opening turns no element over";
     }
 
     TEST(RetractorPlan, AFixedBladeHasNoPressure)

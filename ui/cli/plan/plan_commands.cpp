@@ -258,6 +258,7 @@ namespace {
         planner::PlanChecks checks = checks_of(options);
         if (rounds == Rounds::to_accuracy)
             checks.accuracy = asked_accuracy(options, planned_case.solution);
+        checks.opening_time_s = std::max(checks.opening_time_s, options.time_s.value_or(0.0));
         planner::check_plan(planned_case, checks);
         return checks;
     }
@@ -699,7 +700,9 @@ void add_plan_command(Commands& commands)
     command
         ->add_option("--time", options->time_s,
             "Time (s) for the meshes of one approach: a finer mesh that would take longer is not tried (default: the "
-            "case's solution, else 600)")
+            "case's solution, else 600). A wound that finds no equilibrium ends after 1800 s, or after this time where "
+            "it "
+            "is longer")
         ->check(in_range(planner::kShortestSearchS, planner::kLongestSearchS));
     command->add_flag("--injury-options", options->injury_options,
         "Where a bone would break: also solve the largest opening without a fracture, and plan the approach once more "

@@ -90,7 +90,8 @@ std::string solution_text(const SolverSettings& choice)
         return text + "; ten-node elements";
     case ElementKind::mixed:
         return text
-            + "; ten-node elements at bone and lips, four-node elements elsewhere, Poisson's ratios at most 0.45";
+            + "; ten-node elements at bone, and at lips unless blades bear on cut bone, four-node elements elsewhere, "
+              "Poisson's ratios at most 0.45";
     }
     return text;
 }

@@ -65,7 +65,9 @@ std::string region_text(const FieldMetrics& field)
         text += " No bar contains the force that the wall beyond would add: on phantoms the force with the whole wall "
                 "was up to twice as large.";
     if (region.force_change)
-        text += formatted(" By drafts, the wall beyond changes the force by %.1f %%.", 100.0 * *region.force_change);
+        text += *region.force_change > 1.0
+            ? " By drafts, the wall beyond changes the force more than twofold."
+            : formatted(" By drafts, the wall beyond changes the force by %.1f %%.", 100.0 * *region.force_change);
     return text;
 }
 

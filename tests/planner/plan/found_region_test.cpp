@@ -120,6 +120,8 @@ namespace found_region_test {
             "3.4 %.");
         EXPECT_TRUE(is_region_too_small(field));
         EXPECT_TRUE(piercing_text(field).empty());
+        field.region.force_change = 7.14;
+        EXPECT_NE(region_text(field).find("changes the force more than twofold."), std::string::npos);
         field.region.force_change.reset();
         EXPECT_NE(
             region_text(field).find("No bar contains the force that the wall beyond would add"), std::string::npos);

@@ -1,5 +1,6 @@
 #include "planner/measures/region_text.h"
 #include "planner/plan/plan.h"
+#include "planner/plan/plan_forecast.h"
 #include "tests/support/block_case.h"
 
 #include "planner/approach/approach_templates.h"
@@ -9,7 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor::planner {
@@ -94,6 +97,36 @@ namespace region_plan_test {
         // The coarse model beyond 30 mm bears as much as fine tissue there: medians of the three meshes.
         constexpr double kCoarseError = 0.1; // single meshes of these edges differ by up to a quarter
         EXPECT_NEAR(forces[1], fine_forces[1], kCoarseError * fine_forces[1]);
+    }
+
+    TEST(RegionPlan, AWallThatDoesNotFitTheMemoryIsPlannedInARegionThatDoes)
+    {
+        Cut cut("memory");
+        cut.planned_case.approaches.front().sizing.corridor_edge_mm = 12.0; // the whole wall, without drafts
+        Patient patient(cut.planned_case);
+        const Approach& approach = cut.planned_case.approaches.front();
+        const ElementKind element = cut.planned_case.solution.element;
+        PlanChecks checks { .error_bars = false, .find_region = true };
+        std::string told; // the forecast of the mesh
+        const Job job { .on_progress = [&](std::string_view stage, double) {
+            if (stage.find(" tetrahedra, about ") != std::string_view::npos)
+                told = stage;
+        } };
+        const PlannedField whole = plan_in_region(patient, approach, job, checks);
+        ASSERT_EQ(whole.metrics.region.ended_by, RegionEnd::whole);
+        const std::size_t at = told.find("(about ");
+        ASSERT_NE(at, std::string::npos) << told;
+        std::string digits;
+        for (const char c : told.substr(at, told.find(" tetrahedra", at) - at))
+            if (c >= '0' && c <= '9')
+                digits += c;
+        checks.memory_bytes = forecast_plan(0.95 * std::stod(digits), element).bytes;
+        const PlannedField smaller = plan_in_region(patient, approach, {}, checks);
+        ASSERT_EQ(smaller.status, PlanStatus::done) << smaller.message;
+        EXPECT_EQ(smaller.metrics.region.ended_by, RegionEnd::memory);
+        EXPECT_GE(smaller.metrics.region.drafts, 1);
+        EXPECT_LT(smaller.metrics.tets, whole.metrics.tets);
+        EXPECT_NE(region_text(smaller.metrics).find("needs more memory than there is"), std::string::npos);
     }
 
     TEST(RegionPlan, TheRimOfALargerRegionMovesLessAndAFoundRegionHoldsWhatMoves)

@@ -67,8 +67,8 @@ TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command :
         { "phantom", "import", "labels list", "labels paint", "labels interpolate", "approach add", "approach guide",
-            "hooks", "tension", "mesh", "cut", "plan", "render", "compare", "search", "ports", "batch", "demo", "doctor",
-            "palpable", "palpate", "relay", "train", "train expert", "train test", "train report", "evidence",
+            "hooks", "tension", "mesh", "cut", "plan", "render", "compare", "search", "ports", "batch", "demo",
+            "doctor", "palpable", "palpate", "relay", "train", "train expert", "train test", "train report", "evidence",
             "evidence complications", "evidence rules", "evidence show-rule", "evidence generate" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
@@ -474,6 +474,27 @@ TEST_F(CommandLine, AnAccuracyIsReachedAndReported)
     EXPECT_FALSE(none.json().at("approaches").at(0).contains("accuracy"));
     const CommandRun beyond = run(plan + " --accuracy 200%");
     EXPECT_NE(beyond.error().find("(option --accuracy)"), std::string::npos) << beyond.out;
+}
+
+TEST_F(CommandLine, AFormatThatCannotHoldAPlanDoesNotLoseThePlan)
+{
+    fs::copy(folder / "c", folder / "framed", fs::copy_options::recursive);
+    const std::string file = (folder / "framed" / "case.json").string(), plans = out("framed_plan");
+    ASSERT_EQ(run("approach add " + file
+                  + " --name framed --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --retract cavity --retractor "
+                    "midcab --opening 10")
+                  .exit_code,
+        0);
+    const CommandRun plan = run("--json plan " + file + " --approach framed --draft --export ccx,feb --out " + plans);
+    EXPECT_EQ(plan.exit_code, 1) << plan.out;
+    const Json document = plan.json();
+    ASSERT_EQ(document.at("exports").size(), 1U);
+    EXPECT_TRUE(fs::exists(document.at("exports").at(0).get<std::string>()));
+    ASSERT_EQ(document.at("not_exported").size(), 1U);
+    EXPECT_EQ(document.at("not_exported").at(0).at("format"), "feb");
+    EXPECT_NE(document.at("not_exported").at(0).at("reason").get<std::string>().find("turn"), std::string::npos);
+    EXPECT_TRUE(fs::exists(fs::path(plans) / "metrics.json"));
+    EXPECT_FALSE(fs::exists(fs::path(plans) / "framed.feb"));
 }
 
 TEST_F(CommandLine, APlanThatIsNotToBeBelievedEndsWithOneAndIsWritten)

@@ -69,9 +69,10 @@ namespace {
     }
 
     // Degrees. Exudation leaves one element in a hundred below 12. The fit of interfaces may flatten elements to this
-    // angle, and elements below are opened again afterwards.
+    // angle, and the raising of pits to the third; elements below are opened again afterwards.
     constexpr double kPolishAngle = 11.0;
     constexpr double kFlattestAngle = 9.0;
+    constexpr double kRaisedAngle = 4.0;
 
     /// A piece with fewer elements, or with less volume than the cube of the fine edge, is no anatomy that can be cut
     /// or held.
@@ -241,6 +242,7 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
     model.expected_tetrahedra = expected;
     const Stopwatch polishing;
     open_flat_tets(local, field, kPolishAngle, job);
+    raise_pits(local, field, kRaisedAngle, job);
     fit_interfaces(local, field, kPolishAngle, job);
     open_flat_tets(local, field, kFlattestAngle, job);
     local.optimise_seconds += polishing.seconds();

@@ -189,6 +189,34 @@ namespace {
         return least;
     }
 
+    /// Unit normal of the body's surface at a vertex, outwards; zero at vertices that are not on it.
+    Vec3 surface_normal(
+        const LocalMesh& mesh, const std::vector<InterfaceFace>& faces, std::span<const std::uint32_t> round)
+    {
+        Vec3 sum = Vec3::Zero();
+        for (const std::uint32_t f : round) {
+            if (faces[f].outside != 0)
+                continue;
+            const auto& [a, b, c] = faces[f].vertices;
+            const Vec3& from = mesh.vertices[u(a)];
+            sum += (mesh.vertices[u(b)] - from).cross(mesh.vertices[u(c)] - from);
+        }
+        return sum.norm() > 0.0 ? Vec3(sum.normalized()) : Vec3(Vec3::Zero());
+    }
+
+    /// Distance (mm) from p, which lies in the body, along `normal` to where the body ends; nothing where it does not
+    /// end within `reach`.
+    std::optional<double> depth_below_surface(const LabelField& field, const Vec3& p, const Vec3& normal, double reach)
+    {
+        if (field.at(p) == 0)
+            return std::nullopt;
+        const double step = 0.25 * field.wall().spacing.minCoeff();
+        for (double d = step; d < reach + step; d += step)
+            if (field.at(p + d * normal) == 0)
+                return (field.crossing(p + (d - step) * normal, p + d * normal, kTolerance) - p).dot(normal);
+        return std::nullopt;
+    }
+
     double mean_edge(const LocalMesh& mesh, VertexId v, std::span<const std::uint32_t> star)
     {
         RETRACTOR_ASSERT(!star.empty());
@@ -257,6 +285,35 @@ void open_flat_tets(LocalMesh& mesh, const LabelField& field, double target_deg,
         for (std::size_t i = 0; i < 4 && smallest_angle(mesh, t) < kJunctionAngle; ++i)
             if (const VertexId v = mesh.tets[t][i]; freedom[u(v)].kind == Freedom::fixed)
                 climb(mesh, field, stars, v, freedom[u(v)], kJunctionAngle);
+}
+
+void raise_pits(LocalMesh& mesh, const LabelField& field, double smallest_deg, const Job& job)
+{
+    constexpr double kDeep = 0.5; // voxels
+    constexpr int kPitPasses = 2; // the bottom of a wide pit is several vertices
+    constexpr std::array kShares { 1.0, 0.75, 0.5, 0.25 }; // of the way out
+    const Stars stars(mesh);
+    const std::vector<InterfaceFace> faces = interface_faces(mesh);
+    const auto round = faces_round(mesh, faces);
+    const double voxel = field.wall().spacing.maxCoeff();
+    for (int pass = 0; pass < kPitPasses && !job.cancelled(); ++pass)
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertices.size()); ++v) {
+            const Vec3 normal = surface_normal(mesh, faces, round[u(v)]);
+            if (normal.isZero())
+                continue;
+            const double edge = mean_edge(mesh, v, stars.of(v));
+            const Vec3 from = mesh.vertices[u(v)];
+            const std::optional<double> depth = depth_below_surface(field, from, normal, edge);
+            if (!depth || *depth <= kDeep * voxel)
+                continue;
+            const double enough = std::min(smallest_angle(mesh, stars.of(v)), smallest_deg);
+            for (const double share : kShares) {
+                mesh.vertices[u(v)] = from + share * *depth * normal;
+                if (smallest_angle(mesh, stars.of(v)) >= enough)
+                    break;
+                mesh.vertices[u(v)] = from;
+            }
+        }
 }
 
 void fit_interfaces(LocalMesh& mesh, const LabelField& field, double smallest_deg, const Job& job)

@@ -10,11 +10,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
-#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace retractor::fem {
 
@@ -76,7 +77,6 @@ namespace {
             , frame_(frame)
             , drive_(drive)
             , options_(options)
-            , energy_tolerance_(options.energy_tolerance)
             , how_(how)
             , job_(job)
             , balancing_(job)
@@ -143,7 +143,7 @@ namespace {
                 first_ = found_;
             if (!find_balance())
                 return;
-            if (how_.stiffen_inverted && options_.elasticity == Elasticity::corotational && !options_.locking_free)
+            if (options_.elasticity == Elasticity::corotational && !options_.locking_free)
                 stiffen_inverted();
             found_.opening.message += formatted("; the retractor is in balance after %d opening(s)", found_.openings);
         }
@@ -155,6 +155,8 @@ namespace {
                 const bool is_nearly = found_.imbalance <= how_.tolerance && !must_be_held();
                 const std::string why = out_of_range();
                 if (is_nearly) {
+                    if (found_.imbalance < best_.imbalance)
+                        best_ = found_;
                     continue_from(found_.opening.displacement);
                     open(found_.state, balancing_, options_.tolerance);
                 } else if (!why.empty() || found_.openings >= how_.most_openings) {
@@ -213,32 +215,53 @@ namespace {
             }
         }
 
-        /// Makes the elements that are turned over stiffer until they resist, and balances the frame again. Blades that
-        /// bear on cut bone crush the tissue before it. Where this leads to no balance, the last one stays. The search
-        /// ends after this.
+        /// The elements that are turned over and may be made stiffer.
+        std::vector<TetId> inverted_and_soft() const
+        {
+            std::vector<TetId> soft;
+            for (const TetId t : found_.opening.inverted) {
+                const Label label = problem_.mesh.labels[static_cast<std::size_t>(t)];
+                if (label < how_.may_stiffen.size() && how_.may_stiffen[label] != 0)
+                    soft.push_back(t);
+            }
+            return soft;
+        }
+
+        /// Makes elements that are turned over stiffer until they resist, and balances the frame again. Blades that
+        /// bear on cut bone crush the tissue before it. Where this leads to no balance with fewer such elements, the
+        /// last one stays. The search ends after this.
         void stiffen_inverted()
         {
             constexpr double kStiffer = 10.0;
             constexpr int kRounds = 3, kOpeningsOfARound = 5;
             first_.reset(); // the frame stays free or held, as it is in balance
-            const double before_N = largest_force(found_);
-            std::set<TetId> stiffened;
-            for (int round = 0; round < kRounds && found_.opening.inverted_elements > 0; ++round) {
+            const double before_N = largest_force(found_), before_mm = found_.state.distance;
+            std::map<TetId, double> factors;
+            for (int round = 0; round < kRounds; ++round) {
+                const std::vector<TetId> soft = inverted_and_soft();
+                if (soft.empty())
+                    return;
                 FrameOpening last = found_;
-                opening_.stiffen(last.opening.inverted, kStiffer);
-                stiffened.insert(last.opening.inverted.begin(), last.opening.inverted.end());
+                opening_.stiffen(soft, kStiffer);
+                for (const TetId t : soft)
+                    factors[t] = factors.contains(t) ? kStiffer * factors[t] : kStiffer;
                 how_.most_openings = found_.openings + kOpeningsOfARound;
+                halvings_ = 0;
+                was_cut_ = false;
+                before_ = std::numeric_limits<double>::infinity();
                 continue_from(last.opening.displacement);
                 open(last.state, balancing_, options_.tolerance);
                 best_ = found_;
-                before_ = std::numeric_limits<double>::infinity();
                 if (!is_open() || !find_balance()
-                    || found_.opening.inverted_elements > last.opening.inverted_elements) {
+                    || found_.opening.inverted_elements >= last.opening.inverted_elements) {
+                    last.openings = found_.openings;
                     found_ = std::move(last);
                     return;
                 }
-                found_.opening.stiffened_elements = static_cast<int>(stiffened.size());
+                for (const auto& [tet, factor] : factors)
+                    found_.opening.stiffened.push_back({ tet, factor });
                 found_.opening.stiffening_changed_N = std::abs(largest_force(found_) - before_N);
+                found_.opening.stiffening_changed_mm = std::abs(found_.state.distance - before_mm);
             }
         }
 
@@ -261,7 +284,8 @@ namespace {
             halvings_ = 0;
             continue_from(found_.opening.displacement);
             open(state, balancing_, tolerance_for(1.0));
-            best_ = found_;
+            if (is_open())
+                best_ = found_;
         }
 
         void continue_from(const Points& displacement)
@@ -273,8 +297,8 @@ namespace {
         void open(const FrameState& state, const Job& job, double tolerance)
         {
             tolerance_ = tolerance;
-            opening_.set_tolerance(
-                tolerance, energy_tolerance_ * std::clamp(tolerance / options_.tolerance, 1.0, kRoughestEnergy));
+            opening_.set_tolerance(tolerance,
+                options_.energy_tolerance * std::clamp(tolerance / options_.tolerance, 1.0, kRoughestEnergy));
             found_.state = state;
             found_.blades = blades_at(frame_, state, std::move(found_.blades));
             found_.opening = opening_.open(found_.blades, job);
@@ -469,7 +493,6 @@ namespace {
         const BladeFrame& frame_;
         RackDrive drive_;
         OpeningOptions options_;
-        double energy_tolerance_; ///< of the present opening, where it is not rough
         FrameOptions how_; ///< changes where the frame must be held
         const Job& job_;
         Job balancing_; ///< the job of all openings after the first: its progress begins again under another name

@@ -28,6 +28,7 @@
 #include "mesh/base/job.h"
 
 #include <array>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -44,13 +45,14 @@ struct FrameOptions {
     /// Largest resultant force, or moment over the lever of the frame, relative to the larger blade force. The
     /// discretisation error of a blade force is ten times larger.
     double tolerance = 1e-3;
-    int most_openings = 20; ///< the first one included
+    int most_openings = 20; ///< the first one included, without those of may_stiffen
     double most_turned = std::numbers::pi; ///< rad: the search ends where the frame turns further
     bool direction_is_held = false; ///< by a hand or an arm at the table: the frame drifts, and does not tilt
     bool hold_without_balance = false; ///< a free frame without balance is held, and the search goes on
-    /// In balance, elements that are turned over are made ten times stiffer, up to three times over
-    /// (OpeningResult::stiffened_elements). Not for hyperelastic and locking-free elements.
-    bool stiffen_inverted = false;
+    /// One flag per label; 1: once the frame is in balance, elements of this label that are turned over are made ten
+    /// times stiffer and the frame is balanced again, up to three times over, with up to five openings each
+    /// (OpeningResult::stiffened). Empty: none. Only corotational elements that are not locking-free.
+    std::vector<std::uint8_t> may_stiffen {};
 };
 
 /// A state from which a further search begins: the answer of other elements, or a place for the frame.

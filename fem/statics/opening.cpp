@@ -297,13 +297,6 @@ void Opening::set_load_steps(int least)
     state_->options.load_steps = least;
 }
 
-void Opening::set_max_newton_iterations(int most)
-{
-    if (most < 1)
-        throw InputError("opening needs at least one Newton iteration");
-    state_->options.max_newton_iterations = most;
-}
-
 void Opening::set_tolerance(double tolerance, double energy_tolerance)
 {
     check_tolerances(tolerance, energy_tolerance);
@@ -314,7 +307,7 @@ void Opening::set_tolerance(double tolerance, double energy_tolerance)
 void Opening::stiffen(std::span<const TetId> elements, double factor)
 {
     State& s = *state_;
-    RETRACTOR_ASSERT(s.body && s.body->has_parts());
+    RETRACTOR_ASSERT(s.body && s.body->has_parts() && s.options.near.empty());
     s.body->stiffen(elements, factor);
 }
 

@@ -56,17 +56,14 @@ public:
     /// @throws InputError on less than one step
     void set_load_steps(int least);
 
-    /// Changes OpeningOptions::max_newton_iterations for the openings that follow.
-    /// @throws InputError on less than one iteration
-    void set_max_newton_iterations(int most);
-
     /// Changes OpeningOptions::tolerance and energy_tolerance for the openings that follow: on the way to an answer
     /// rough ones are enough.
     /// @throws InputError on a tolerance that is not between 0 and 1; the second may be 0
     void set_tolerance(double tolerance, double energy_tolerance);
 
     /// Multiplies the stiffness of some elements for the openings that follow.
-    /// @pre open() was called; the elements have corotational or linear elasticity and are not locking-free
+    /// @pre open() was called, without OpeningOptions::near; the elements have corotational or linear elasticity and
+    /// are not locking-free
     void stiffen(std::span<const TetId> elements, double factor);
 
     /// Stiffness against small motions of the hooks' nodes, linearised at the state of the last open(); cheaper than

@@ -62,6 +62,12 @@ struct LinearCondensedRegion {
     std::vector<Vec3> hook_force_changes_N {}; ///< when kept: the same change of the hook forces
 };
 
+/// An element that was made stiffer because it was turned over.
+struct StiffenedElement {
+    TetId tet = 0;
+    double factor = 1.0; ///< on the stiffness of its material
+};
+
 struct [[nodiscard]] OpeningResult {
     OpeningStatus status = OpeningStatus::converged;
     std::string message;
@@ -74,8 +80,10 @@ struct [[nodiscard]] OpeningResult {
     double strain_p99 = 0.0; ///< 99th percentile by volume, outside elements that touch a hook patch or blade
     int inverted_elements = 0; ///< number of `inverted`
     std::vector<TetId> inverted {}; ///< elements with det F <= 0 at any evaluation point, ascending
-    int stiffened_elements = 0; ///< number of elements made stiffer (FrameOptions::stiffen_inverted)
-    double stiffening_changed_N = 0.0; ///< change of the larger blade force by this
+    std::vector<StiffenedElement> stiffened {}; ///< with FrameOptions::may_stiffen, ascending
+    /// Absolute changes by this, from the balance before to the answer: of the larger blade force, and of the distance
+    /// between the blades. 0: none.
+    double stiffening_changed_N = 0.0, stiffening_changed_mm = 0.0;
     double max_volume_ratio = 1.0; ///< largest det F
     double min_volume_ratio = 1.0; ///< smallest det F
     std::vector<double> volume_ratio; ///< per element: deformed volume over rest volume

@@ -144,6 +144,11 @@ namespace {
                 metrics.needed = true;
                 return { .opened = *std::move(touching), .contact = std::move(metrics) };
             }
+            if (!finished && job_.cancelled() && without.coarse) {
+                without.opening = *std::move(without.coarse);
+                without.opening.status = fem::OpeningStatus::cancelled;
+                return { .opened = std::move(without) };
+            }
             if (!finished) {
                 without = open_({}, &without, {}, job_);
                 test(without.opening);

@@ -22,6 +22,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -171,6 +172,40 @@ namespace {
         options.energy_tolerance = contact ? kContactEnergyTolerance : 0.0;
     }
 
+    /// Flags the labels whose material is neither bone nor cartilage, whose moments and forces are measured.
+    std::vector<std::uint8_t> soft_labels(const fem::ElasticProblem& problem)
+    {
+        std::vector<std::uint8_t> soft(problem.material_of_label.size(), 0);
+        for (const Label label : fem::labels_met(problem.mesh)) {
+            const std::string& material = problem.material_of_label[label].name;
+            soft[label] = material != "bone" && material != "cartilage" ? 1 : 0;
+        }
+        return soft;
+    }
+
+    /// Gives stiffened elements stiffer copies of their materials, under labels that the table does not have: later
+    /// solutions of the problem are then of the same tissue.
+    void take_stiffened(
+        fem::ElasticProblem& problem, std::span<const fem::StiffenedElement> stiffened, const mesh::LabelTable& table)
+    {
+        std::size_t next = problem.material_of_label.size();
+        for (const mesh::LabelInfo& info : table)
+            next = std::max(next, std::size_t { info.id } + 1);
+        std::map<std::pair<Label, double>, Label> copies; // of each label and factor
+        for (const fem::StiffenedElement& element : stiffened) {
+            Label& label = problem.mesh.labels[static_cast<std::size_t>(element.tet)];
+            const auto [copy, is_new] = copies.try_emplace({ label, element.factor }, static_cast<Label>(next));
+            if (is_new) {
+                RETRACTOR_ASSERT(next < mesh::kLabelCount);
+                problem.material_of_label.resize(++next);
+                fem::Material stiffer = problem.material_of_label[label];
+                stiffer.youngs_modulus_MPa *= element.factor;
+                problem.material_of_label.back() = std::move(stiffer);
+            }
+            label = copy->second;
+        }
+    }
+
     /// A retractor that the tissue holds, or a hand where the tissue does not.
     /// @param direction_is_held a hand holds it from the beginning
     fem::FrameOptions balance_of(const fem::ElasticProblem& problem, bool direction_is_held = false)
@@ -178,7 +213,7 @@ namespace {
         fem::FrameOptions how {
             .most_turned = kMostTilted, .direction_is_held = direction_is_held, .hold_without_balance = true
         };
-        how.stiffen_inverted = true;
+        how.may_stiffen = soft_labels(problem);
         if (!problem.blades.empty())
             how.tolerance = kContactBalance;
         else if (problem.mesh.nodes_per_tet == 10)
@@ -325,11 +360,13 @@ namespace {
         const Job named = as_stage(job, "opening, blades that hold");
         fem::FrameOptions roughly = how;
         roughly.tolerance = std::max(kStartBalance, how.tolerance);
-        roughly.stiffen_inverted = false;
+        roughly.may_stiffen.clear();
         fem::OpeningOptions rough = options;
         rough.tolerance = std::max(kStartTolerance, options.tolerance);
-        const fem::FrameOpening held = fem::open_with_frame(hold, frame, drive, rough, roughly, named, linear);
-        if (held.opening.status == fem::OpeningStatus::cancelled || !is_usable(held.opening))
+        fem::FrameOpening held = fem::open_with_frame(hold, frame, drive, rough, roughly, named, linear);
+        if (held.opening.status == fem::OpeningStatus::cancelled)
+            return held;
+        if (!is_usable(held.opening))
             return fem::open_with_frame(problem, frame, drive, options, how, job);
         for (const fem::BladeLoad& load : held.loads)
             held_force_N = std::max(held_force_N, load.force_N.norm());
@@ -374,7 +411,7 @@ namespace {
                 open_four_node(problem, field, drive, options, balance_of(problem), opened.held_force_N, job));
         fem::FrameOptions how = balance_of(problem), roughly = how;
         roughly.tolerance = kStartBalance;
-        roughly.stiffen_inverted = false;
+        roughly.may_stiffen.clear();
         fem::FrameOpening coarse = open_four_node_from(start_of_four_node, fem::without_midpoints(problem), field,
             drive, options, roughly, opened.held_force_N, as_stage(job, "opening, four-node elements"));
         if (coarse.opening.status == fem::OpeningStatus::cancelled)
@@ -440,6 +477,8 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
     }
     const fem::ElasticProblem& problem = field.problem;
     opened.hooks = problem.hooks;
+    if (start != nullptr)
+        opened.held_force_N = start->held_force_N;
     const bool linear = options.elasticity == fem::Elasticity::linear; // one solve, with any start
     const bool all_blades = problem.blades.size() == problem.hooks.size();
     if ((options.contact && !all_blades) || !drives.empty() || near_mm > 0.0)
@@ -530,11 +569,12 @@ OpenedWall reopen_wall(
 
 ContactOpening solve_or_hold(PlannedField& field, const std::function<ContactOpening()>& solve)
 {
+    constexpr double kStifferInFourNodes = 2.0; // forces over those of ten-node elements (docs/method/verification.md)
     ContactOpening solved = solve();
     if (field.problem.blades.empty() || solved.opened.opening.status == fem::OpeningStatus::cancelled
         || is_usable(solved.opened.opening))
         return solved;
-    if (const double held_N = solved.opened.held_force_N; held_N > kImpossibleForceN) {
+    if (const double held_N = solved.opened.held_force_N; held_N > kStifferInFourNodes * kImpossibleForceN) {
         solved.opened.opening.message += formatted("; blades that hold the tissue would bear %.0f N, and no retractor "
                                                    "pulls with more than %.0f N",
             held_N, kImpossibleForceN);
@@ -612,6 +652,7 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
     field.retractor = std::move(opened.retractor);
     field.yielded = std::move(opened.yielded);
     field.opening = std::move(opened.opening);
+    take_stiffened(field.problem, field.opening.stiffened, planned_case.label_table);
     field.metrics.solution.near_tets = opened.near_tets;
     if (field.opening.status == fem::OpeningStatus::cancelled) {
         field.status = PlanStatus::cancelled;
@@ -648,6 +689,7 @@ void end_unfinished(PlannedField& field, OpenedWound& wound, const std::string& 
     field.opening.status = fem::OpeningStatus::not_converged;
     field.opening.message = why + "; " + field.opening.message;
     field.status = PlanStatus::not_converged;
+    field.ended_by_time = true;
     if (wound.rigid.vertices.empty())
         return;
     wound.rigid.solved = displacement;

@@ -93,7 +93,7 @@ OpenedWall reopen_wall(
 
 /// Solves the wound of field.problem. Where blades in contact find no equilibrium, they hold the tissue and the wound
 /// is solved once more; the field's problem, its approach and PlannedField::contact_was_lost then say so. Where blades
-/// that hold would bear more than kImpossibleForceN (verdict.h), no such answer could be used, and none is made.
+/// that hold would bear far more than kImpossibleForceN (verdict.h), no such answer could be used, and none is made.
 /// @param solve of field.problem as it is when called
 /// @throws as `solve`
 ContactOpening solve_or_hold(PlannedField& field, const std::function<ContactOpening()>& solve);
@@ -111,8 +111,9 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelV
 OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planned_case, const mesh::LabelVolume& labels,
     CutWall cut, const Job& job, const OpenedWall* start = nullptr);
 
-/// Ends a field whose opening was cancelled because its time was up: the last state of the search stays, marked as not
-/// in equilibrium (PlanStatus::not_converged).
+/// Ends a field whose opening was cancelled because its time was up. The state that the search had reached stays, of a
+/// retractor the one nearest to balance, marked as not in equilibrium (PlanStatus::not_converged).
+/// @param wound of the field; its rigid pieces are moved
 /// @param why begins the field's mechanics message
 /// @pre open_wound() gave this wound, and the field's status is PlanStatus::cancelled
 void end_unfinished(PlannedField& field, OpenedWound& wound, const std::string& why);

@@ -19,6 +19,7 @@
 #include "planner/measures/region_text.h"
 #include "planner/measures/risk_distances.h"
 #include "planner/measures/tissue_values.h"
+#include "planner/measures/verdict.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/plan/accurate_plan.h"
 #include "planner/plan/bone_loads.h"
@@ -447,12 +448,13 @@ namespace {
             end_unfinished(field, wound, formatted("no equilibrium was found in %.0f s", time_s));
         if (field.status != PlanStatus::done && field.status != PlanStatus::cancelled)
             remark(field.message, field.opening.message);
-        if (const int stiffened = field.opening.stiffened_elements; stiffened > 0)
+        if (const auto& stiffened = field.opening.stiffened; !stiffened.empty())
             remark(field.message,
                 formatted(
-                    "%d element(s) that the blades turned inside out are computed at least 10 times stiffer, which "
-                    "changes the force by %.2g N",
-                    stiffened, field.opening.stiffening_changed_N));
+                    "%zu element(s) that the blades turned inside out are computed 10 to %.0f times stiffer, which "
+                    "changes the force by ",
+                    stiffened.size(), std::ranges::max(stiffened, {}, &fem::StiffenedElement::factor).factor)
+                    + two_digits(field.opening.stiffening_changed_N) + " N");
         return field.status != PlanStatus::cancelled;
     }
 

@@ -45,8 +45,8 @@ struct PlanChecks {
     /// Memory that one plan may take, bytes; not set: all that is available. plan_all() divides what is available
     /// among the plans that run at the same time.
     std::optional<double> memory_bytes {};
-    /// Time for one search of the opened wound's equilibrium, s. The plan ends after it with the state that came
-    /// nearest (PlanStatus::not_converged).
+    /// Time for one search of the opened wound's equilibrium, s. The plan ends after it with the state that the search
+    /// had reached (end_unfinished()).
     double opening_time_s = kMostOpeningS;
 };
 

@@ -55,6 +55,7 @@ struct [[nodiscard]] PlannedField {
     Approach approach;
     mesh::MeshStatistics mesh_statistics;
 
+    bool ended_by_time = false; ///< the opening's search was ended (PlanChecks::opening_time_s)
     bool contact_was_lost = false; ///< the blades hold the tissue, because their contact had no equilibrium
     mesh::TetMesh wall; ///< after the cut, at rest
     std::vector<mesh::LipFace> lips; ///< faces of `wall` on the two sides of the incision

@@ -4,6 +4,7 @@
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/opening.h"
 #include "mesh/tetrahedra/tet_mesh.h"
+#include "planner/measures/verdict.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/plan.h"
 #include "tests/support/block_case.h"
@@ -311,6 +312,26 @@ namespace contact_where_needed_test {
         EXPECT_EQ(field.problem.mesh.vertices.rows(), field.wall.vertices.rows());
         const fem::OpeningResult opened = fem::Opening(field.problem, {}).open(field.problem.hooks);
         EXPECT_EQ(opened.status, fem::OpeningStatus::converged) << opened.message;
+    }
+
+    TEST(ContactWhereNeeded, BladesThatWouldBearAnImpossibleForceAreNotSolvedForHolding)
+    {
+        for (const double held_N : { kImpossibleForceN, 3.0 * kImpossibleForceN }) {
+            PlannedField field = plate_under_blade(1.0);
+            const bool impossible = held_N > kImpossibleForceN;
+            int solved = 0;
+            const ContactOpening answer = solve_or_hold(field, [&] {
+                ++solved;
+                ContactOpening opening;
+                opening.opened.held_force_N = held_N;
+                opening.opened.opening.status = fem::OpeningStatus::not_converged;
+                return opening;
+            });
+            EXPECT_EQ(solved, impossible ? 1 : 2);
+            EXPECT_EQ(field.contact_was_lost, !impossible);
+            EXPECT_EQ(answer.opened.opening.message.find("would bear 6000 N") != std::string::npos, impossible)
+                << answer.opened.opening.message;
+        }
     }
 
     TEST(ContactWhereNeeded, ACancelledJobEndsIt)

@@ -258,7 +258,8 @@ namespace {
         planner::PlanChecks checks = checks_of(options);
         if (rounds == Rounds::to_accuracy)
             checks.accuracy = asked_accuracy(options, planned_case.solution);
-        checks.opening_time_s = std::max(checks.opening_time_s, options.time_s.value_or(0.0));
+        const double asked_s = checks.accuracy ? checks.accuracy->time_s : options.time_s.value_or(0.0);
+        checks.opening_time_s = std::max(checks.opening_time_s, asked_s);
         planner::check_plan(planned_case, checks);
         return checks;
     }
@@ -394,8 +395,8 @@ namespace {
             outcome.document["not_exported"] = decks.refused;
         }
         outcome.text = field_table(fields) + decks.text;
-        if (!options.accuracy && !options.time_s
-            && options.stiffness.empty()) // a plan that was hurried takes no better one's place
+        const bool hurried = options.time_s && *options.time_s < planner::AccuracyGoal {}.time_s;
+        if (!options.accuracy && !hurried && options.stiffness.empty()) // a hurried plan takes no better one's place
             outcome.text += save_plans(in_file, patient.planned_case(), fields);
         if (!kept.empty()) {
             const std::string file = (folder / "metrics-earlier.json").string();
@@ -700,9 +701,8 @@ void add_plan_command(Commands& commands)
     command
         ->add_option("--time", options->time_s,
             "Time (s) for the meshes of one approach: a finer mesh that would take longer is not tried (default: the "
-            "case's solution, else 600). A wound that finds no equilibrium ends after 1800 s, or after this time where "
-            "it "
-            "is longer")
+            "case's solution, else 600). A wound that finds no equilibrium ends after 1800 s, or after this time "
+            "where that is longer")
         ->check(in_range(planner::kShortestSearchS, planner::kLongestSearchS));
     command->add_flag("--injury-options", options->injury_options,
         "Where a bone would break: also solve the largest opening without a fracture, and plan the approach once more "

@@ -27,8 +27,8 @@ std::string save_plans(
     try {
         for (const planner::PlannedField& field : fields) {
             const std::string& name = field.approach.name;
-            if (!planner::is_measured(field) || field.metrics.solution.draft || !has_approach(in_file, name)
-                || !has_approach(planned_case, name)
+            if (!planner::is_measured(field) || field.metrics.solution.draft || field.ended_by_time
+                || !has_approach(in_file, name) || !has_approach(planned_case, name)
                 || planner::plan_inputs(in_file, name) != planner::plan_inputs(planned_case, name))
                 continue;
             planner::save_plan(planned_case, field);

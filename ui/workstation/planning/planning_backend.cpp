@@ -88,6 +88,8 @@ namespace {
         planner::Patient& patient, const planner::Approach& approach, const planner::PlannedField& field)
     {
         PlanOutcome outcome { .message = {}, .field = pictures_of(patient, field) };
+        if (field.ended_by_time) // with more time there may be an answer
+            return outcome;
         try {
             planner::save_plan(case_with(patient, approach), field);
         } catch (const Error&) {

@@ -255,6 +255,8 @@ namespace {
                 if (!is_open() || !find_balance()
                     || found_.opening.inverted_elements >= last.opening.inverted_elements) {
                     last.openings = found_.openings;
+                    if (found_.opening.status == OpeningStatus::cancelled)
+                        last.opening.status = OpeningStatus::cancelled;
                     found_ = std::move(last);
                     return;
                 }

@@ -189,19 +189,35 @@ namespace {
         return least;
     }
 
-    /// Unit normal of the body's surface at a vertex, outwards; zero at vertices that are not on it.
-    Vec3 surface_normal(
+    /// The body's surface at a vertex.
+    struct SurfaceAt {
+        Vec3 normal = Vec3::Zero(); ///< unit, outwards; zero where there is no surface, or where it has no one side
+        double smoothness = 1.0; ///< cosine of the largest angle between a face and the normal
+    };
+
+    SurfaceAt surface_at(
         const LocalMesh& mesh, const std::vector<InterfaceFace>& faces, std::span<const std::uint32_t> round)
     {
+        constexpr double kOneSided = 0.3; // of the faces' area
         Vec3 sum = Vec3::Zero();
+        double area = 0.0;
+        std::vector<Vec3> normals;
         for (const std::uint32_t f : round) {
             if (faces[f].outside != 0)
                 continue;
             const auto& [a, b, c] = faces[f].vertices;
             const Vec3& from = mesh.vertices[u(a)];
-            sum += (mesh.vertices[u(b)] - from).cross(mesh.vertices[u(c)] - from);
+            const Vec3 of_face = (mesh.vertices[u(b)] - from).cross(mesh.vertices[u(c)] - from);
+            sum += of_face;
+            area += of_face.norm();
+            normals.push_back(of_face.normalized());
         }
-        return sum.norm() > 0.0 ? Vec3(sum.normalized()) : Vec3(Vec3::Zero());
+        if (sum.norm() <= kOneSided * area)
+            return {};
+        SurfaceAt surface { .normal = sum.normalized() };
+        for (const Vec3& normal : normals)
+            surface.smoothness = std::min(surface.smoothness, normal.dot(surface.normal));
+        return surface;
     }
 
     /// Distance (mm) from p, which lies in the body, along `normal` to where the body ends; nothing where it does not
@@ -298,7 +314,7 @@ void raise_pits(LocalMesh& mesh, const LabelField& field, double smallest_deg, c
     const double voxel = field.wall().spacing.maxCoeff();
     for (int pass = 0; pass < kPitPasses && !job.cancelled(); ++pass)
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertices.size()); ++v) {
-            const Vec3 normal = surface_normal(mesh, faces, round[u(v)]);
+            const auto [normal, smoothness] = surface_at(mesh, faces, round[u(v)]);
             if (normal.isZero())
                 continue;
             const double edge = mean_edge(mesh, v, stars.of(v));
@@ -309,7 +325,8 @@ void raise_pits(LocalMesh& mesh, const LabelField& field, double smallest_deg, c
             const double enough = std::min(smallest_angle(mesh, stars.of(v)), smallest_deg);
             for (const double share : kShares) {
                 mesh.vertices[u(v)] = from + share * *depth * normal;
-                if (smallest_angle(mesh, stars.of(v)) >= enough)
+                if (smallest_angle(mesh, stars.of(v)) >= enough
+                    && surface_at(mesh, faces, round[u(v)]).smoothness >= smoothness)
                     break;
                 mesh.vertices[u(v)] = from;
             }

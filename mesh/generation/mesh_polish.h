@@ -14,9 +14,9 @@ namespace retractor::mesh {
 /// Opens elements with a dihedral angle below `target_deg` by moving single vertices; some elements may stay below.
 void open_flat_tets(LocalMesh& mesh, const LabelField& field, double target_deg, const Job& job = {});
 
-/// Moves the vertices at the bottom of pits outwards. A vertex of the body's surface that lies deeper than a voxel below
-/// the label field's surface moves onto it, or a part of the way. Layers thinner than the cells leave such pits, of
-/// which cell_labels.h fills those of one and two cells. No move takes an element below `smallest_deg`, or further
+/// Moves the vertices at the bottom of pits outwards. A vertex of the body's surface that lies deeper than half a voxel
+/// below the label field's surface moves onto it, or a part of the way. Layers thinner than the cells leave such pits,
+/// of which cell_labels.h fills those of one and two cells. No move takes an element below `smallest_deg`, or further
 /// below.
 void raise_pits(LocalMesh& mesh, const LabelField& field, double smallest_deg, const Job& job = {});
 

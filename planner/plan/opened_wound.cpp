@@ -188,19 +188,25 @@ namespace {
     void take_stiffened(
         fem::ElasticProblem& problem, std::span<const fem::StiffenedElement> stiffened, const mesh::LabelTable& table)
     {
-        std::size_t next = problem.material_of_label.size();
+        mesh::LabelFlags is_known(mesh::kLabelCount, 0);
         for (const mesh::LabelInfo& info : table)
-            next = std::max(next, std::size_t { info.id } + 1);
+            is_known[info.id] = 1;
+        for (const Label label : fem::labels_met(problem.mesh))
+            is_known[label] = 1;
+        std::size_t next = 1;
         std::map<std::pair<Label, double>, Label> copies; // of each label and factor
         for (const fem::StiffenedElement& element : stiffened) {
             Label& label = problem.mesh.labels[static_cast<std::size_t>(element.tet)];
-            const auto [copy, is_new] = copies.try_emplace({ label, element.factor }, static_cast<Label>(next));
+            const auto [copy, is_new] = copies.try_emplace({ label, element.factor }, Label { 0 });
             if (is_new) {
+                while (next < mesh::kLabelCount && is_known[next] != 0)
+                    ++next;
                 RETRACTOR_ASSERT(next < mesh::kLabelCount);
-                problem.material_of_label.resize(++next);
                 fem::Material stiffer = problem.material_of_label[label];
                 stiffer.youngs_modulus_MPa *= element.factor;
-                problem.material_of_label.back() = std::move(stiffer);
+                problem.material_of_label.resize(std::max(problem.material_of_label.size(), next + 1));
+                problem.material_of_label[next] = std::move(stiffer);
+                copy->second = static_cast<Label>(next++);
             }
             label = copy->second;
         }

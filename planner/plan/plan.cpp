@@ -446,12 +446,16 @@ namespace {
         wound = open_wound(field, patient, labels, std::move(cut), limit.job(), start);
         if (limit.is_over() && field.status == PlanStatus::cancelled)
             end_unfinished(field, wound, formatted("no equilibrium was found in %.0f s", time_s));
+        if (limit.is_over() && field.metrics.contact && !field.metrics.contact->message.empty()) {
+            field.ended_by_time = true;
+            remark(field.message, formatted("the opening's time of %.0f s was up before contact was computed", time_s));
+        }
         if (field.status != PlanStatus::done && field.status != PlanStatus::cancelled)
             remark(field.message, field.opening.message);
         if (const auto& stiffened = field.opening.stiffened; !stiffened.empty())
             remark(field.message,
                 formatted(
-                    "%zu element(s) that the blades turned inside out are computed 10 to %.0f times stiffer, which "
+                    "%zu element(s) that the blades turned inside out are computed up to %.0f times stiffer, which "
                     "changes the force by ",
                     stiffened.size(), std::ranges::max(stiffened, {}, &fem::StiffenedElement::factor).factor)
                     + two_digits(field.opening.stiffening_changed_N) + " N");

@@ -29,7 +29,9 @@ void measure_tissue_strain(PlannedField& field, const OpenedWound& wound, const 
     m.tissue_strain.clear();
     if (!is_usable(field.opening))
         return;
-    m.tissue_strain = tissue_strains(field.problem.mesh, table, displacement_at_nodes(field, wound));
+    mesh::TetMesh mesh = field.problem.mesh;
+    mesh.labels = field.wall.labels; // stiffened elements have labels of their own in the problem
+    m.tissue_strain = tissue_strains(mesh, table, displacement_at_nodes(field, wound));
     for (TissueStrain& tissue : m.tissue_strain)
         tissue.place = place_beside_incision(field.approach, tissue.at);
 }

@@ -395,7 +395,8 @@ namespace {
             outcome.document["not_exported"] = decks.refused;
         }
         outcome.text = field_table(fields) + decks.text;
-        const bool hurried = options.time_s && *options.time_s < planner::AccuracyGoal {}.time_s;
+        const bool hurried
+            = options.time_s && *options.time_s < in_file.solution.accuracy.value_or(planner::AccuracyGoal {}).time_s;
         if (!options.accuracy && !hurried && options.stiffness.empty()) // a hurried plan takes no better one's place
             outcome.text += save_plans(in_file, patient.planned_case(), fields);
         if (!kept.empty()) {

@@ -88,8 +88,12 @@ namespace {
         planner::Patient& patient, const planner::Approach& approach, const planner::PlannedField& field)
     {
         PlanOutcome outcome { .message = {}, .field = pictures_of(patient, field) };
-        if (field.ended_by_time) // with more time there may be an answer
+        if (field.ended_by_time) {
+            remark(outcome.field.warning,
+                "the time for this plan was up: it is not saved, and is lost when the case is closed (retractor plan "
+                "--time gives it longer)");
             return outcome;
+        }
         try {
             planner::save_plan(case_with(patient, approach), field);
         } catch (const Error&) {
@@ -353,7 +357,10 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
                 return { .message = {}, .field = pictures_of(*patient, saved->field) };
         } catch (const Error&) { // damaged: the new plan takes its place
         }
-        const planner::PlannedField field = planner::plan_in_region(*patient, approach, job, { .find_region = true });
+        planner::PlanChecks checks { .find_region = true };
+        if (const auto& accuracy = patient->planned_case().solution.accuracy)
+            checks.opening_time_s = std::max(checks.opening_time_s, accuracy->time_s);
+        const planner::PlannedField field = planner::plan_in_region(*patient, approach, job, checks);
         switch (field.status) {
         case planner::PlanStatus::done:
         case planner::PlanStatus::not_converged:

@@ -255,9 +255,7 @@ namespace {
                 if (!is_open() || !find_balance()
                     || found_.opening.inverted_elements >= last.opening.inverted_elements) {
                     last.openings = found_.openings;
-                    if (found_.opening.status == OpeningStatus::cancelled)
-                        last.opening.status = OpeningStatus::cancelled;
-                    found_ = std::move(last);
+                    found_ = std::move(last); // also where the time is up meanwhile: the balance is there
                     return;
                 }
                 for (const auto& [tet, factor] : factors)

@@ -446,9 +446,13 @@ namespace {
         wound = open_wound(field, patient, labels, std::move(cut), limit.job(), start);
         if (limit.is_over() && field.status == PlanStatus::cancelled)
             end_unfinished(field, wound, formatted("no equilibrium was found in %.0f s", time_s));
-        if (limit.is_over() && field.metrics.contact && !field.metrics.contact->message.empty()) {
+        const bool lacks_contact = field.metrics.contact && !field.metrics.contact->message.empty();
+        if (limit.is_over() && field.status == PlanStatus::done
+            && (lacks_contact || field.opening.inverted_elements > 0)) {
             field.ended_by_time = true;
-            remark(field.message, formatted("the opening's time of %.0f s was up before contact was computed", time_s));
+            remark(field.message,
+                formatted("the opening's time of %.0f s was up before ", time_s)
+                    + (lacks_contact ? "contact was computed" : "elements inside out were turned back"));
         }
         if (field.status != PlanStatus::done && field.status != PlanStatus::cancelled)
             remark(field.message, field.opening.message);

@@ -5,7 +5,10 @@
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace retractor::mesh {
 

@@ -201,17 +201,13 @@ namespace {
                 of_other);
             add_hooks(bars, field, *solutions.plain, solutions.other, solutions.lacking);
         }
-        if (const double by_stiffening = field.opening.stiffening_changed_N; by_stiffening > 0.0) {
-            for (double& bar : bars.hook_forces_N)
-                bar += by_stiffening;
-            for (double& bar : bars.side_forces_N)
-                bar += by_stiffening;
-        }
-        if (const double by_stiffening_mm = field.opening.stiffening_changed_mm; by_stiffening_mm > 0.0) {
-            bars.opening_width_mm += by_stiffening_mm;
-            for (double& bar : bars.hook_moved_mm)
-                bar += 0.5 * by_stiffening_mm; // each blade moves half of the distance
-        }
+        for (double& bar : bars.hook_forces_N)
+            bar += field.opening.stiffening_changed_N;
+        for (double& bar : bars.side_forces_N)
+            bar += field.opening.stiffening_changed_N;
+        bars.opening_width_mm += field.opening.stiffening_changed_mm;
+        for (double& bar : bars.hook_moved_mm)
+            bar += 0.5 * field.opening.stiffening_changed_mm; // each blade moves half of the distance
         bars.hook_force_N = std::max(bars.side_forces_N[0], bars.side_forces_N[1]);
         bars.energy = solutions.energy;
     }

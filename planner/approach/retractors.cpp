@@ -28,12 +28,14 @@ namespace {
         // Makers give many sizes under one name. These are middle sizes for adults. Blades of a closed spreader lie
         // against each other over their whole depth, so their play is small: a blade's slide has a gap of about 3
         // degrees, and an arm of steel, 100 mm long and 10 by 5 mm thick, twists by 2 under 200 N at 35 mm below it.
-        // The blades of a sternal spreader are shallow and twist their arms less.
+        // The blades of a sternal spreader are shallow and twist their arms less. All come with deeper blades for thick
+        // walls: a blade that ends in the fat above the bone opens the skin only.
         static const std::array<RetractorKind, 3> kinds { {
             { .kind = "finochietto",
                 .meaning = "rib spreader: two broad blades on a rack, each turns about its arm",
                 .blade_width_mm = 48.0,
                 .blade_depth_mm = 65.0,
+                .deepest_blade_mm = 100.0,
                 .play_deg = 5.0,
                 .greatest_opening_mm = 200.0,
                 .source = "ours" },
@@ -41,6 +43,7 @@ namespace {
                 .meaning = "sternal spreader: two long, shallow blades, almost fixed to their arms",
                 .blade_width_mm = 90.0,
                 .blade_depth_mm = 35.0,
+                .deepest_blade_mm = 80.0,
                 .play_deg = 3.0,
                 .greatest_opening_mm = 200.0,
                 .source = "ours" },
@@ -48,6 +51,7 @@ namespace {
                 .meaning = "retractor for small incisions (MIDCAB, mitral valve): two small blades",
                 .blade_width_mm = 30.0,
                 .blade_depth_mm = 40.0,
+                .deepest_blade_mm = 80.0,
                 .play_deg = 5.0,
                 .greatest_opening_mm = 90.0,
                 .source = "ours" },
@@ -85,14 +89,18 @@ namespace {
             .meaning = text_of(row, "meaning", where),
             .blade_width_mm = positive_number(row, "blade_width_mm", kLargestMm, where),
             .blade_depth_mm = positive_number(row, "blade_depth_mm", kLargestMm, where),
+            .deepest_blade_mm = positive_number(
+                row, row.contains("deepest_blade_mm") ? "deepest_blade_mm" : "blade_depth_mm", kLargestMm, where),
             .play_deg = positive_number(row, "play_deg", kMostPlay, where),
             .greatest_opening_mm = positive_number(row, "greatest_opening_mm", kLargestMm, where),
             .source = text_of(row, "source", where) };
         constexpr std::size_t kKeys = 7;
-        if (row.size() != kKeys)
+        if (row.size() != kKeys + (row.contains("deepest_blade_mm") ? 1 : 0))
             throw InputError("has a key that is not known: a row has kind, meaning, blade_width_mm, blade_depth_mm, "
-                             "play_deg, greatest_opening_mm and source",
+                             "deepest_blade_mm, play_deg, greatest_opening_mm and source",
                 where);
+        if (kind.deepest_blade_mm < kind.blade_depth_mm)
+            throw InputError("must not be less than blade_depth_mm", where + "/deepest_blade_mm");
         return kind;
     }
 
@@ -135,12 +143,14 @@ const RetractorKind& find_retractor(std::span<const RetractorKind> kinds, std::s
 
 RetractorSpec make_retractor(const Approach& approach, const RetractorKind& kind, const RetractorDrive& drive)
 {
+    const double along = 0.5 * incision_length(approach);
     return { .kind = kind.kind,
         .opening_mm = drive.opening_mm,
         .force_N = drive.force_N,
-        .along_mm = 0.5 * incision_length(approach),
+        .along_mm = along,
         .blade_width_mm = kind.blade_width_mm,
-        .blade_depth_mm = kind.blade_depth_mm,
+        .blade_depth_mm = std::max(kind.blade_depth_mm,
+            std::min(depth_through_wall(approach, along, kind.blade_width_mm), kind.deepest_blade_mm)),
         .play_deg = kind.play_deg,
         .greatest_opening_mm = kind.greatest_opening_mm };
 }
@@ -188,11 +198,9 @@ std::vector<HookSpec> blades_of(const Approach& approach)
     RETRACTOR_ASSERT(approach.retractor);
     const RetractorSpec& retractor = *approach.retractor;
     std::vector<HookSpec> blades
-        = make_blades(approach, retractor.along_mm, retractor.blade_width_mm, retractor.blade_depth_mm);
-    for (HookSpec& blade : blades) {
+        = make_blades(approach, retractor.hold, retractor.along_mm, retractor.blade_width_mm, retractor.blade_depth_mm);
+    for (HookSpec& blade : blades)
         blade.opening_mm = 0.5 * retractor.opening_mm;
-        blade.hold = retractor.hold;
-    }
     return blades;
 }
 

@@ -22,7 +22,8 @@ struct RetractorKind {
     std::string kind; ///< name on the command line and in case.json
     std::string meaning; ///< the instrument, in words
     double blade_width_mm = 0.0; ///< along the incision
-    double blade_depth_mm = 0.0; ///< from the arm into the wound
+    double blade_depth_mm = 0.0; ///< from the arm into the wound, of the usual blade
+    double deepest_blade_mm = 0.0; ///< such blades are made as deep as this, for thick walls
     double play_deg = 0.0; ///< largest turn of a blade about its arm, to either side
     double greatest_opening_mm = 0.0;
     std::string source; ///< a paper or a catalogue; "ours": an estimate of this program's authors
@@ -32,7 +33,7 @@ struct RetractorKind {
 std::span<const RetractorKind> built_in_retractors();
 
 /// Reads a table from a file: {"retractors": [{"kind", "meaning", "blade_width_mm", "blade_depth_mm", "play_deg",
-/// "greatest_opening_mm", "source"}, ...]}.
+/// "greatest_opening_mm", "source"}, ...]}; "deepest_blade_mm" may be left out where all blades have one depth.
 /// @throws IoError when the file cannot be read, InputError naming the JSON pointer of a bad row
 std::vector<RetractorKind> read_retractors(const std::filesystem::path& file);
 
@@ -45,7 +46,8 @@ struct RetractorDrive {
     std::optional<double> force_N {};
 };
 
-/// A retractor in the middle of the incision.
+/// A retractor in the middle of the incision, with blades that pass the wall there: the usual blades, or deeper ones of
+/// the same kind where the wall is thicker.
 RetractorSpec make_retractor(const Approach& approach, const RetractorKind& kind, const RetractorDrive& drive);
 
 /// Gives an approach of the case a retractor in place of its hooks or retractor.

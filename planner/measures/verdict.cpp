@@ -105,6 +105,21 @@ namespace {
             say(said, Light::caution, "Whether a bone would break is not known.");
     }
 
+    /// A blade that holds only soft tissue pulls with little force, and leaves the bones where they are.
+    void say_bearing(const FieldMetrics& field, Sentences& said)
+    {
+        if (!field.retractor || field.bones.empty())
+            return;
+        const auto on_soft = [](const HookForce& blade) { return blade.bears_on.empty(); };
+        if (field.hooks.size() == 2 && std::ranges::all_of(field.hooks, on_soft))
+            say(said, Light::caution, "The blades bear on soft tissue only, on no bone.");
+        else
+            for (const HookForce& blade : field.hooks)
+                if (on_soft(blade))
+                    say(said, Light::caution,
+                        "The " + readable(blade.name) + " bears on soft tissue only, on no bone.");
+    }
+
     void say_tissue(const FieldMetrics& field, Sentences& said)
     {
         for (const TissueStrain& tissue : field.tissue_strain)
@@ -197,6 +212,7 @@ Verdict verdict_of(const FieldMetrics& field)
     } else {
         say_bones(field, said);
         say_tissue(field, said);
+        say_bearing(field, said);
         say_risks(field, said);
         say_sight(field, said);
         say_opening(field, said);

@@ -1142,7 +1142,7 @@ KnifeAnswer SurgerySession::attach_retractor(const Touch& at, const RetractorKin
         return { false, "a stroke is open: finish it first" };
     std::string why_not;
     std::array<HookPlacement, 2> blades = find_blade_placements(*picture()->surface, lip_triangles(session_), held_,
-        outward_, at, kind.blade_width_mm, kind.blade_depth_mm, why_not);
+        outward_, at, kind.blade_width_mm, kind.deepest_blade_mm, why_not);
     if (blades[0].nodes.empty())
         return { false, why_not };
     if (is_held(blades[0]) || is_held(blades[1]))

@@ -77,7 +77,9 @@ namespace retractors_test {
             EXPECT_NEAR(blade.along_mm, 50.0, kRoundOff);
             EXPECT_EQ(blade.opening_mm, 30.0);
             EXPECT_EQ(blade.patch_width_mm, approach.retractor->blade_width_mm);
-            EXPECT_NEAR(blade.patch_height_mm, 26.0, kRoundOff); // the wall of 30 mm, without 2 mm at either side
+            // From 2 mm below the skin to 2 mm below the wall of 30 mm.
+            EXPECT_NEAR(blade.depth_mm - 0.5 * blade.patch_height_mm, 2.0, kRoundOff);
+            EXPECT_NEAR(blade.depth_mm + 0.5 * blade.patch_height_mm, 32.0, kRoundOff);
             EXPECT_LT((blade.direction - Vec3(-blade.side, 0.0, 0.0)).norm(), kRoundOff);
         }
         const fem::BladeFrame frame = blade_frame_of(approach);
@@ -87,6 +89,30 @@ namespace retractors_test {
             EXPECT_LT((blade.arm - Vec3::UnitY()).norm(), kRoundOff);
             EXPECT_NEAR(blade.play, approach.retractor->play_deg * std::numbers::pi / 180.0, kRoundOff);
         }
+    }
+
+    TEST(Retractors, AThickWallGetsDeeperBladesOfTheSameKind)
+    {
+        const RetractorKind& sternal = find_retractor(built_in_retractors(), "sternal");
+        Approach approach = straight();
+        const auto depth_of = [&](double wall_mm) {
+            approach.wall_thickness_mm = { 20.0, wall_mm };
+            approach.depth_mm = wall_mm + 5.0;
+            return make_retractor(approach, sternal, { .opening_mm = 50.0 }).blade_depth_mm;
+        };
+        EXPECT_EQ(depth_of(25.0), sternal.blade_depth_mm);
+        // The blades are 90 mm wide on 100 mm: at their ends the wall is 95 % of the way to its thickest.
+        EXPECT_NEAR(depth_of(60.0), 20.0 + 0.95 * 40.0 + 2.0, kRoundOff);
+        EXPECT_EQ(depth_of(120.0), sternal.deepest_blade_mm);
+    }
+
+    TEST(Retractors, FixedBladesEndAboveTheCavityWhereTheWallIsThinnest)
+    {
+        Approach approach = with_retractor("midcab", { .opening_mm = 20.0 });
+        approach.retractor->hold = HookHold::fixed;
+        approach.wall_thickness_mm = { 30.0, 40.0 };
+        for (const HookSpec& blade : blades_of(approach))
+            EXPECT_NEAR(blade.patch_height_mm, 33.5 - 4.0, kRoundOff); // 30 mm wide, from 35 of 100 mm on
     }
 
     TEST(Retractors, AShortBladeHoldsTheTissueBelowTheSkin)
@@ -123,13 +149,22 @@ namespace retractors_test {
 
     TEST(Retractors, ATableOfOnesOwnIsRead)
     {
-        const std::string row = R"({"kind": "mine", "meaning": "a spreader", "blade_width_mm": 40, "blade_depth_mm": 30,
-            "play_deg": 5, "greatest_opening_mm": 120, "source": "measured"})";
+        const std::string begin
+            = R"({"kind": "mine", "meaning": "a spreader", "blade_width_mm": 40, "blade_depth_mm": 30, )";
+        const std::string end = R"("play_deg": 5, "greatest_opening_mm": 120, "source": "measured"})";
+        const std::string row = begin + end;
         const std::vector<RetractorKind> table
             = read_retractors(written("retractors.json", R"({"retractors": [)" + row + "]}"));
         ASSERT_EQ(table.size(), 1U);
         EXPECT_EQ(table[0].kind, "mine");
         EXPECT_EQ(table[0].play_deg, 5.0);
+        EXPECT_EQ(table[0].deepest_blade_mm, 30.0); // all of its blades have one depth
+        const auto with_deepest = [&](const char* depth) {
+            return read_retractors(written(
+                "deep.json", R"({"retractors": [)" + begin + R"("deepest_blade_mm": )" + depth + ", " + end + "]}"));
+        };
+        EXPECT_EQ(with_deepest("60").at(0).deepest_blade_mm, 60.0);
+        EXPECT_THROW((void)with_deepest("20"), InputError);
         EXPECT_THROW(
             (void)read_retractors(written("twice.json", R"({"retractors": [)" + row + "," + row + "]}")), InputError);
         EXPECT_THROW((void)read_retractors(written("none.json", R"({"retractors": []})")), InputError);

@@ -554,6 +554,7 @@ namespace wound_hooks_test {
             .meaning = "for tests",
             .blade_width_mm = 20.0,
             .blade_depth_mm = 12.0,
+            .deepest_blade_mm = 12.0,
             .greatest_opening_mm = 30.0,
             .source = "ours" };
     }

@@ -61,10 +61,19 @@ void MainWindow::make_look_actions(QMenu& menu)
     cut->addSeparator();
     add_action(
         *cut, "Next", Qt::Key_V, "Nothing, the front, the back, one side after the other", [this] { next_cut_side(); });
-    QAction* const stereo = add_action(menu, "Stereo, red and cyan", {},
-        "Show scenes in space to two eyes; the red glass stands before the left eye", [] {});
-    stereo->setCheckable(true);
-    connect(stereo, &QAction::toggled, this, [this](bool on) { view_->set_stereo(on); });
+    QMenu* const stereo = menu.addMenu("Stereo");
+    auto* const eyes = new QActionGroup(this);
+    for (const auto& [text, kind, tip] : { std::tuple { "Off", Stereo::off, "Show scenes in space to one eye" },
+             std::tuple { "Red and cyan", Stereo::red_cyan, "For coloured glasses, the red one before the left eye" },
+             std::tuple { "Side by side", Stereo::side_by_side,
+                 "For a 3D monitor that takes both pictures beside each other; use the full screen" },
+             std::tuple { "Lines", Stereo::lines,
+                 "For a 3D monitor whose lines belong to the left and the right eye in turn" } }) {
+        QAction* const action = add_action(*stereo, text, {}, tip, [this, kind = kind] { view_->set_stereo(kind); });
+        action->setCheckable(true);
+        action->setChecked(kind == Stereo::off);
+        eyes->addAction(action);
+    }
     straight_optics_ = add_action(menu, "Endoscope, straight", Qt::Key_6,
         "Look into the opened wound through an endoscope, 50 mm before the target",
         [this] { look_through_endoscope(0.0); });

@@ -574,45 +574,87 @@ namespace render_test {
         EXPECT_NE(oldest.errors().find("without"), std::string::npos);
     }
 
-    /// Mean column of the pixels in which a channel is bright; the picture has nothing else that is.
-    double middle_of(const Image& image, int channel)
+    /// Mean column of the pixels in which a channel is bright, among those that belong to an eye; the picture has
+    /// nothing else that is bright.
+    template <class Belongs> double middle_of(const Image& image, int channel, const Belongs& belongs)
     {
         constexpr int kBright = 60;
+        const auto width = static_cast<std::size_t>(image.width);
         double sum = 0.0;
         int count = 0;
         for (std::size_t i = 0; i < image.rgb.size() / 3; ++i)
-            if (image.rgb[3 * i + static_cast<std::size_t>(channel)] > kBright) {
-                sum += static_cast<double>(i % static_cast<std::size_t>(image.width));
+            if (image.rgb[3 * i + static_cast<std::size_t>(channel)] > kBright && belongs(i % width, i / width)) {
+                sum += static_cast<double>(i % width);
                 ++count;
             }
         EXPECT_GT(count, 0);
         return sum / std::max(count, 1);
     }
 
+    double middle_of(const Image& image, int channel)
+    {
+        return middle_of(image, channel, [](std::size_t, std::size_t) { return true; });
+    }
+
+    constexpr int kWideForEyes = 640, kHighForEyes = 480;
+
+    /// A white plate on the line of sight, so much nearer than what the camera aims at from 400 mm.
+    Image plate_for_eyes(double towards_eye_mm)
+    {
+        Scene scene = samples::box_scene({ -1, -1, -1 }, { 1, 1, 1 }, { 1.0, 1.0, 1.0 });
+        scene.camera.eye = Vec3(0.0, -400.0, 0.0);
+        scene.camera.aim = Vec3::Zero();
+        const Vec3 middle(0.0, -towards_eye_mm, 0.0), half(5.0, 0.5, 5.0); // a plate: one distance
+        scene.surfaces = { samples::unlit(samples::box_mesh(middle - half, middle + half), { 1.0, 1.0, 1.0 }) };
+        return draw(scene, kWideForEyes, kHighForEyes);
+    }
+
+    /// Pixels by which the left eye should see such a plate farther right than the right eye. An eye at x sees a point
+    /// d before the plane of the screen, which is D away, at -x d / (D - d) in this plane.
+    double expected_apart(double d)
+    {
+        const double pixels_per_mm
+            = kHighForEyes / (2.0 * 400.0 * std::tan(0.5 * Scene {}.camera.view_angle_deg * std::numbers::pi / 180.0));
+        return pixels_per_mm * kEyesApartShare * 400.0 * d / (400.0 - d);
+    }
+
+    TEST_F(Pictures, ThreeDMonitorsGetThePicturesOfBothEyes)
+    {
+        constexpr int kRed = 0;
+        constexpr double kPixel = 1.0; // of the picture before it is made half as wide
+        for (const double towards_eye : { 100.0, 0.0, -100.0 }) {
+            samples::renderer().set_stereo(Stereo::side_by_side);
+            const Image halves = plate_for_eyes(towards_eye);
+            samples::renderer().set_stereo(Stereo::lines);
+            const Image lines = plate_for_eyes(towards_eye);
+            samples::renderer().set_stereo(Stereo::off);
+            constexpr std::size_t kHalf = kWideForEyes / 2;
+            const double left_half
+                = middle_of(halves, kRed, [](std::size_t column, std::size_t) { return column < kHalf; });
+            const double right_half
+                = middle_of(halves, kRed, [](std::size_t column, std::size_t) { return column >= kHalf; });
+            EXPECT_NEAR(2.0 * (left_half - (right_half - kHalf)), expected_apart(towards_eye), 2.0 * kPixel);
+            const double even = middle_of(lines, kRed, [](std::size_t, std::size_t row) { return row % 2 == 0; });
+            const double odd = middle_of(lines, kRed, [](std::size_t, std::size_t row) { return row % 2 == 1; });
+            EXPECT_NEAR(odd - even, expected_apart(towards_eye), kPixel) << "the top line is the right eye's";
+        }
+    }
+
     TEST_F(Pictures, TwoEyesSeeWhatIsNearAndFarAsTheyShould)
     {
-        constexpr int kRed = 0, kBlue = 2, kWide = 640, kHigh = 480;
+        constexpr int kRed = 0, kBlue = 2;
         constexpr double kPixel = 1.0; // a plate some 20 pixels wide has its middle to less
         const auto apart = [&](double towards_eye_mm) {
-            Scene scene = samples::box_scene({ -1, -1, -1 }, { 1, 1, 1 }, { 1.0, 1.0, 1.0 });
-            scene.camera.eye = Vec3(0.0, -400.0, 0.0);
-            scene.camera.aim = Vec3::Zero();
-            const Vec3 middle(0.0, -towards_eye_mm, 0.0), half(5.0, 0.5, 5.0); // a plate: one distance
-            scene.surfaces = { samples::unlit(samples::box_mesh(middle - half, middle + half), { 1.0, 1.0, 1.0 }) };
-            const Image image = draw(scene, kWide, kHigh);
+            const Image image = plate_for_eyes(towards_eye_mm);
             return middle_of(image, kRed) - middle_of(image, kBlue);
         };
         EXPECT_NEAR(apart(100.0), 0.0, 1e-9) << "one eye";
-        samples::renderer().set_stereo(true);
+        samples::renderer().set_stereo(Stereo::red_cyan);
         const double near = apart(100.0), at_screen = apart(0.0), far = apart(-100.0);
-        samples::renderer().set_stereo(false);
-        // An eye at x sees a point d before the plane of the screen, which is D away, at -x d / (D - d) in this plane.
-        const double pixels_per_mm
-            = kHigh / (2.0 * 400.0 * std::tan(0.5 * Scene {}.camera.view_angle_deg * std::numbers::pi / 180.0));
-        const auto expected = [&](double d) { return pixels_per_mm * kEyesApartShare * 400.0 * d / (400.0 - d); };
-        EXPECT_NEAR(near, expected(100.0), kPixel) << "the left eye, behind the red glass, sees it further right";
+        samples::renderer().set_stereo(Stereo::off);
+        EXPECT_NEAR(near, expected_apart(100.0), kPixel) << "the left eye, behind the red glass, sees it further right";
         EXPECT_NEAR(at_screen, 0.0, kPixel);
-        EXPECT_NEAR(far, expected(-100.0), kPixel);
+        EXPECT_NEAR(far, expected_apart(-100.0), kPixel);
         EXPECT_NEAR(apart(100.0), 0.0, 1e-9) << "one eye again";
     }
 

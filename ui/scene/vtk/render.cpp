@@ -3,7 +3,6 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "ui/scene/vtk/scene_view.h"
-#include "ui/scene/vtk/stereo.h"
 #include "ui/scene/vtk/vtk_errors.h"
 
 #include <vtk_glew.h>
@@ -124,7 +123,9 @@ OffscreenRenderer::OffscreenRenderer(std::unique_ptr<OffscreenContext> context, 
 }
 OffscreenRenderer::~OffscreenRenderer() = default;
 
-void OffscreenRenderer::set_stereo(bool on) { ui::set_stereo(*state_->window, on); }
+void OffscreenRenderer::set_stereo(Stereo stereo) { ui::set_stereo(*state_->window, stereo); }
+
+void OffscreenRenderer::set_language(TextLanguage language) { state_->language = std::move(language); }
 
 Image OffscreenRenderer::render(const Picture& picture)
 {

@@ -6,6 +6,7 @@
 #include "ui/scene/vtk/chart.h"
 #include "ui/scene/vtk/offscreen.h"
 
+#include "ui/scene/vtk/stereo.h"
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -26,8 +27,11 @@ public:
     explicit OffscreenRenderer(std::unique_ptr<OffscreenContext> context, const Job& job = {});
     ~OffscreenRenderer();
 
-    /// All further pictures of scenes are for two eyes, or for one again. Off at first.
-    void set_stereo(bool on);
+    /// Sets this for all further pictures of scenes. Off at first.
+    void set_stereo(Stereo stereo);
+
+    /// The language of the texts in all further pictures of scenes. English at first.
+    void set_language(TextLanguage language);
 
     /// @throws InputError as check_picture() does; IoError when the drawing library reports an error. A picture with an
     /// error is never returned.

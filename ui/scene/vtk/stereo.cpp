@@ -8,10 +8,21 @@
 
 namespace retractor::ui {
 
-void set_stereo(vtkRenderWindow& window, bool on)
+void set_stereo(vtkRenderWindow& window, Stereo stereo)
 {
-    window.SetStereoTypeToAnaglyph();
-    window.SetStereoRender(on ? 1 : 0);
+    switch (stereo) {
+    case Stereo::side_by_side:
+        window.SetStereoTypeToSplitViewportHorizontal();
+        break;
+    case Stereo::lines:
+        window.SetStereoTypeToInterlaced();
+        break;
+    case Stereo::red_cyan:
+    case Stereo::off:
+        window.SetStereoTypeToAnaglyph();
+        break;
+    }
+    window.SetStereoRender(stereo == Stereo::off ? 0 : 1);
 }
 
 void set_eyes_apart(vtkCamera& camera)

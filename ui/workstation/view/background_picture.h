@@ -21,7 +21,7 @@ struct PictureRequest {
     SceneLayout layout = SceneLayout::grid;
     std::vector<Camera> cameras {}; ///< one for each scene
     int width = 0, height = 0; ///< pixels
-    bool stereo = false; ///< for two eyes
+    Stereo stereo = Stereo::off;
     int number = 0; ///< comes back with the answer
 };
 

@@ -200,7 +200,7 @@ void PictureView::build(bool keep_cameras)
     const double ratio = pixel_ratio();
     set_pixel_ratio(ratio);
     const bool whole = draws_whole_scenes();
-    ui::set_stereo(*drawn_->window, in_stereo());
+    ui::set_stereo(*drawn_->window, drawn_stereo());
     drawn_->volumes.set_interactive(!whole);
     for (Viewport& viewport :
         arrange_scenes(whole ? *scenes_ : coarse_scenes_, ratio * width(), ratio * height(), layout_)) {
@@ -231,7 +231,7 @@ void PictureView::change()
 
 bool PictureView::can_rest() const { return live_ == nullptr && full_error_.empty(); }
 
-PictureRequest PictureView::request(bool stereo) const
+PictureRequest PictureView::request(Stereo stereo) const
 {
     PictureRequest request {
         .scenes = scenes_, .layout = layout_, .cameras = cameras(), .stereo = stereo, .number = number_
@@ -289,7 +289,7 @@ void PictureView::rest()
         return; // it rests again at once
     }
     if (can_rest() && is_drawn())
-        background_.request(request(in_stereo()));
+        background_.request(request(drawn_stereo()));
     else
         coarse_ = false;
 }
@@ -311,7 +311,7 @@ void PictureView::show_full(const PictureAnswer& answer)
     full_->setPixmap(pixmap);
     full_->setGeometry(rect());
     full_->show();
-    if (on_full_picture && !in_stereo())
+    if (on_full_picture && drawn_stereo() == Stereo::off)
         on_full_picture(answer.image);
 }
 
@@ -348,16 +348,17 @@ void PictureView::draw_soon()
         draw_timer_.start();
 }
 
-void PictureView::set_stereo(bool on)
+void PictureView::set_stereo(Stereo stereo)
 {
-    stereo_ = on;
+    stereo_ = stereo;
     build(true);
 }
 
-bool PictureView::in_stereo() const
+Stereo PictureView::drawn_stereo() const
 {
-    return stereo_ && !saving_
-        && std::all_of(scenes_->begin(), scenes_->end(), [](const Scene& scene) { return scene.slices.empty(); });
+    const bool in_space
+        = std::all_of(scenes_->begin(), scenes_->end(), [](const Scene& scene) { return scene.slices.empty(); });
+    return saving_ || !in_space ? Stereo::off : stereo_;
 }
 
 void PictureView::set_linked(bool linked)
@@ -781,8 +782,8 @@ QImage PictureView::picture()
         build(true);
     }
     if (can_rest() && is_drawn()) {
-        const PictureAnswer answer = background_.draw(request(false));
-        if (!in_stereo())
+        const PictureAnswer answer = background_.draw(request(Stereo::off));
+        if (drawn_stereo() == Stereo::off)
             show_full(answer);
         if (!answer.image.isNull())
             return answer.image;

@@ -84,7 +84,7 @@ public:
 
     /// Shows scenes in space to two eyes, through red and cyan glasses; not beside slices, whose greys would suffer.
     /// Pictures that are saved are for one eye.
-    void set_stereo(bool on);
+    void set_stereo(Stereo stereo);
 
     /// Whether all scenes in space move alike when the mouse moves one of them.
     void set_linked(bool linked);
@@ -186,8 +186,9 @@ private:
     /// Whether the background can draw the full picture.
     bool can_rest() const;
     bool draws_whole_scenes() const;
-    PictureRequest request(bool stereo) const;
-    bool in_stereo() const;
+    PictureRequest request(Stereo stereo) const;
+    /// What is drawn now: no slices, and nothing that is saved, is for two eyes.
+    Stereo drawn_stereo() const;
     void show_full(const PictureAnswer& answer);
     void place_note();
     bool handle_mouse(QMouseEvent& event);
@@ -247,7 +248,7 @@ private:
     int pictures_ = 0;
     bool coarse_ = false;
     bool linked_ = false;
-    bool stereo_ = false; ///< wanted
+    Stereo stereo_ = Stereo::off; ///< wanted
     SceneLayout layout_ = SceneLayout::grid;
     std::vector<Camera> drawn_cameras_; ///< of the last picture
     bool ready_ = false; ///< there is an OpenGL context

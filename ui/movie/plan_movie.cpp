@@ -12,6 +12,7 @@
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/arrange_scenes.h"
 #include "ui/scene/camera_motion.h"
+#include "ui/scene/scene_language.h"
 #include "ui/scene/vtk/identifier_picture.h"
 
 #include <algorithm>
@@ -31,26 +32,6 @@ namespace {
     /// Letters in a line of the words under the title, at a picture as wide as high.
     constexpr double kLettersPerLine = 66.0;
     constexpr double kGlow = 0.3; ///< opacity of the target that shines through the closed skin
-
-    /// The text in lines of at most so many letters, broken between words.
-    std::vector<std::string> in_lines(const std::string& text, std::size_t letters)
-    {
-        std::vector<std::string> lines;
-        std::string line;
-        for (std::size_t begin = 0; begin < text.size();) {
-            const std::size_t end = std::min(text.find(' ', begin), text.size());
-            const std::string word = text.substr(begin, end - begin);
-            if (!line.empty() && line.size() + 1 + word.size() > letters) {
-                lines.push_back(line);
-                line.clear();
-            }
-            line += (line.empty() ? "" : " ") + word;
-            begin = end + 1;
-        }
-        if (!line.empty())
-            lines.push_back(line);
-        return lines;
-    }
 
     /// Vertices between two poses of a surface with the same triangles.
     std::shared_ptr<const TriMesh> pose(const TriMesh& at_rest, const TriMesh& opened, double share)
@@ -72,10 +53,11 @@ namespace {
 
     class Player {
     public:
-        Player(planner::Patient& patient, const MovieSettings& settings, OffscreenRenderer& renderer,
-            const MovieSink& sink, const Job& job)
+        Player(planner::Patient& patient, const MovieSettings& settings, const TextLanguage& language,
+            OffscreenRenderer& renderer, const MovieSink& sink, const Job& job)
             : patient_(patient)
             , settings_(settings)
+            , language_(language)
             , renderer_(renderer)
             , sink_(sink)
             , job_(job)
@@ -137,8 +119,9 @@ namespace {
             const double width = alone ? settings_.width : 0.5 * settings_.width;
             Scene& first = scenes.front();
             if (alone)
-                first.title = step.title;
-            first.notes = in_lines(step.text, static_cast<std::size_t>(kLettersPerLine * width / settings_.height));
+                first.title = said(language_, step.title);
+            first.notes = in_lines(
+                said(language_, step.text), static_cast<std::size_t>(kLettersPerLine * width / settings_.height));
             renderer_.show({ .width = settings_.width,
                 .height = settings_.height,
                 .viewports = arrange_scenes(scenes, settings_.width, settings_.height) });
@@ -237,6 +220,7 @@ namespace {
 
         planner::Patient& patient_;
         const MovieSettings& settings_;
+        const TextLanguage& language_;
         OffscreenRenderer& renderer_;
         const MovieSink& sink_;
         const Job& job_;
@@ -284,7 +268,8 @@ bool play_plans(planner::Patient& patient, const MovieContent& content, const Mo
     }
     const std::vector<planner::PresentationStep> steps
         = planner::presentation_of(planned_case, known, decisions_of(planned_case));
-    Player player(patient, settings, renderer, sink, job);
+    renderer.set_language(content.language);
+    Player player(patient, settings, content.language, renderer, sink, job);
     player.expect(static_cast<int>(steps.size()));
     for (const planner::PresentationStep& step : steps) {
         const planner::Approach* approach = step.approach ? &planned_case.approaches.at(*step.approach) : nullptr;

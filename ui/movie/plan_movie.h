@@ -33,6 +33,7 @@ struct MovieContent {
     /// Plans of these approaches. A field without numbers is left out; an approach without a field is shown before the
     /// cut only.
     std::vector<planner::PlannedField> fields;
+    TextLanguage language {}; ///< of the texts in the pictures
 };
 
 /// Draws the movie.

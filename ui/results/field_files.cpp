@@ -223,6 +223,7 @@ std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& f
     std::vector<planner::PlannedField>& fields, const FieldViews& request, const Job& job)
 {
     OffscreenRenderer renderer(make_offscreen_context(), job);
+    renderer.set_language(request.language);
     std::vector<planner::ReportPicture> pictures;
     const double total
         = static_cast<double>(fields.size() * (request.views.size() + request.maps.size()) + request.kept.size());

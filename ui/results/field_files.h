@@ -7,6 +7,7 @@
 #include "planner/measures/report/report.h"
 #include "planner/plan/planned_field.h"
 #include "ui/plan_scene/field_map.h"
+#include "ui/scene/scene_language.h"
 
 #include <nlohmann/json.hpp>
 
@@ -24,6 +25,7 @@ struct FieldViews {
     bool names = true; ///< the surgeon's view names the structures in it
     std::vector<FieldMapKind> maps {}; ///< drawn besides
     std::vector<planner::NamedView> kept {}; ///< views that the team keeps, drawn besides
+    TextLanguage language {}; ///< of the texts in pictures of fields
 };
 
 /// Writes the meshes of every measured field: <name>.vtu (cut wall with displacement, strain and material labels),

@@ -42,9 +42,7 @@ table { border-collapse: collapse; background: #fff; width: 100%; }
 th, td { border: 1px solid #d3dce4; padding: 6px 10px; text-align: right; } th:first-child, td:first-child { text-align: left; }
 thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; } .failed { color: #9aa5af; text-decoration: line-through; } .caution { color: #8a5a00; }
 .verdict { background: #fff; border-left: 10px solid #9aa5af; padding: 10px 14px; font-size: 18px; }
-.verdict::before { font-weight: 700; margin-right: 8px; } .verdict.clear { border-color: #2f8f5b; } .verdict.clear::before { content: "No objection."; }
-.verdict.caution { border-color: #d99a00; } .verdict.caution::before { content: "Caution."; } .verdict.injury { border-color: #b3261e; } .verdict.injury::before { content: "Objection."; }
-.verdict.unknown::before { content: "Not usable."; }
+.verdict b { margin-right: 8px; } .verdict.clear { border-color: #2f8f5b; } .verdict.caution { border-color: #d99a00; } .verdict.injury { border-color: #b3261e; }
 .words td, .materials td:last-child { text-align: left; } .words td:first-child { width: 16em; } .materials { margin-top: 10px; font-size: 14px; }
 figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } figure img { width: 100%; display: block; }
 figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
@@ -182,11 +180,11 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 "Force on a side and its moment", [](const FieldMetrics& f) { return escaped(force_moments_text(f)); });
         if (std::any_of(fields.begin(), fields.end(), [](const FieldMetrics& f) { return f.retractor.has_value(); }))
             text_row("Retractor, force and moment per blade", [](const FieldMetrics& f) {
-                std::vector<std::string> words;
+                std::string words;
                 if (f.retractor)
                     for (const BladeMetrics& blade : f.retractor->blades)
-                        words.push_back(f.retractor->kind + ", " + readable(blade.name) + ": " + blade_text(blade));
-                return listed(words);
+                        remark(words, f.retractor->kind + ", " + readable(blade.name) + ": " + blade_text(blade));
+                return words.empty() ? std::string("none") : escaped(words);
             });
         if (std::any_of(fields.begin(), fields.end(), has_limited_hooks))
             text_row("Hooks that yielded", yielded_hooks);
@@ -206,7 +204,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         text_row("Hooks bear on", [](const FieldMetrics& f) {
             std::vector<std::string> words;
             for (const HookForce& hook : f.hooks)
-                words.push_back(hook.name + ": " + bearing_text(hook));
+                words.push_back(readable(hook.name) + ": " + bearing_text(hook));
             return listed(words);
         });
         write_injuries(fields, text_row);
@@ -393,11 +391,26 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "</tbody></table>";
     }
 
+    const char* light_words(Light light)
+    {
+        switch (light) {
+        case Light::clear:
+            return "No objection.";
+        case Light::caution:
+            return "Caution.";
+        case Light::injury:
+            return "Objection.";
+        case Light::unknown:
+            break;
+        }
+        return "Not usable.";
+    }
+
     void write_field(std::ostream& out, const Report& report, const FieldMetrics& field)
     {
         out << "<h2>" << escaped(field.name) << "</h2>";
         const Verdict verdict = verdict_of(field);
-        out << "<p class=\"verdict " << to_string(verdict.light) << "\">";
+        out << "<p class=\"verdict " << to_string(verdict.light) << "\"><b>" << light_words(verdict.light) << "</b> ";
         for (const std::string& sentence : verdict.sentences)
             out << escaped(sentence) << ' ';
         out << "</p>";
@@ -416,9 +429,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                     out << ' ' << escaped(sentence);
                 out << "</p>";
             }
-        out << "<p>Hooks: ";
+        out << (field.retractor ? "<p>Blades: " : "<p>Hooks: ");
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
-            out << (i == 0 ? "" : "; ") << escaped(field.hooks[i].name) << " " << in_words(field.hooks[i].force_N, 1);
+            out << (i == 0 ? "" : "; ") << escaped(readable(field.hooks[i].name)) << " "
+                << in_words(field.hooks[i].force_N, 1);
             if (has_error_bars(field))
                 out << " &plusmn; " << in_words(field.error->hook_forces_N[i], 1);
             out << " N";

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <iterator>
@@ -57,6 +58,21 @@ namespace plan_movie_test {
         static inline std::unique_ptr<planner::Patient> patient;
         static inline std::unique_ptr<MovieContent> content;
     };
+
+    TEST_F(PlanMovie, ItsTextsAreInTheLanguageThatIsAskedFor)
+    {
+        MovieContent shown = *content;
+        std::vector<std::string> asked;
+        shown.language = [&](const std::string& english) {
+            asked.push_back(english);
+            return std::string("a");
+        };
+        const Played english = play(*content), other = play(shown);
+        ASSERT_EQ(other.pictures.size(), english.pictures.size());
+        EXPECT_GT(test_support::mean_difference(english.pictures.front(), other.pictures.front()), 0.1);
+        const auto is_title = [](const std::string& text) { return text.find("what the surgeon sees") != text.npos; };
+        EXPECT_TRUE(std::ranges::any_of(asked, is_title));
+    }
 
     TEST_F(PlanMovie, TurnsTheClosedPatientOpensTheWoundAndFliesToTheEye)
     {

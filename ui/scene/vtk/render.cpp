@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace retractor::ui {
 
@@ -79,6 +80,7 @@ struct OffscreenRenderer::State {
     vtkSmartPointer<ContextWindow> window;
     std::unique_ptr<VolumeCache> volumes;
     std::vector<SceneView> views; ///< of the last show()
+    TextLanguage language;
 
     void resize(int width, int height) const { window->SetSize(width, height); }
 
@@ -146,7 +148,13 @@ void OffscreenRenderer::show(const Picture& picture)
     state_->resize(picture.width, picture.height);
     for (const Viewport& viewport : picture.viewports) {
         state_->views.emplace_back(*state_->window, viewport, *state_->volumes);
-        state_->views.back().show(viewport.scene);
+        if (!state_->language) {
+            state_->views.back().show(viewport.scene);
+            continue;
+        }
+        Scene scene = viewport.scene;
+        say_texts(scene, state_->language);
+        state_->views.back().show(scene);
     }
     state_->volumes->sweep();
     trap.throw_if_error("preparing a picture");

@@ -3,10 +3,11 @@
 
 #include "mesh/base/job.h"
 #include "ui/scene/scene.h"
+#include "ui/scene/scene_language.h"
 #include "ui/scene/vtk/chart.h"
 #include "ui/scene/vtk/offscreen.h"
-
 #include "ui/scene/vtk/stereo.h"
+
 #include <cstdint>
 #include <filesystem>
 #include <memory>

@@ -528,14 +528,6 @@
         <translation>道具</translation>
     </message>
     <message>
-        <source>Stereo, red and cyan</source>
-        <translation>立体表示（赤青メガネ）</translation>
-    </message>
-    <message>
-        <source>Show scenes in space to two eyes; the red glass stands before the left eye</source>
-        <translation>立体の画面を両目用に表示します。赤いレンズを左目に当てます</translation>
-    </message>
-    <message>
         <source>Body wall</source>
         <translation>体壁</translation>
     </message>
@@ -2314,10 +2306,6 @@
     <message>
         <source>not known</source>
         <translation>不明</translation>
-    </message>
-    <message>
-        <source>%1 to %2 N</source>
-        <translation>%1 〜 %2 N</translation>
     </message>
     <message>
         <source>%1. One standard deviation of the tissues' published values.</source>
@@ -4684,10 +4672,6 @@
         <translation>後ろのブレード %1</translation>
     </message>
     <message>
-        <source>hook %1 and hook %2</source>
-        <translation>鉤 %1 と鉤 %2</translation>
-    </message>
-    <message>
         <source>%1 blade and %2 blade</source>
         <translation>%1のブレードと%2のブレード</translation>
     </message>
@@ -5025,7 +5009,7 @@
     </message>
     <message>
         <source>The score is the weighted mean of the criteria, each 0 to 100 between two fixed values.</source>
-        <translation>評点は各基準（固定した二つの値の間で 0～100）の加重平均です。</translation>
+        <translation>評点は各基準（固定した二つの値の間で 0 〜 100）の加重平均です。</translation>
     </message>
     <message>
         <source>Weights and values are a choice, not a finding:</source>
@@ -5101,7 +5085,7 @@
     </message>
     <message>
         <source>%1 caution: %2 % of the soft tissue changes its volume by more than a tenth, to between %3 and %4 of its volume at rest, most of all at %5 mm; strain is wrong there.</source>
-        <translation>%1 注意：軟部組織の %2 % で体積が 1 割以上変わり、静止時の %3～%4 倍になります（最大は %5 mm）。そこのひずみは正しくありません。</translation>
+        <translation>%1 注意：軟部組織の %2 % で体積が 1 割以上変わり、静止時の %3 〜 %4 倍になります（最大は %5 mm）。そこのひずみは正しくありません。</translation>
     </message>
     <message>
         <source>Full median sternotomy: the midline of the sternum, found in its label, from %1 mm above the notch to %2 mm below the xiphoid, put on the skin square to the bone.</source>
@@ -5709,11 +5693,11 @@
     </message>
     <message>
         <source>skin may tear: %1, torn samples failed between %2 and %3 %</source>
-        <translation>皮膚は裂けることがあります：%1。引き裂いた試料は %2～%3 % で破断しました</translation>
+        <translation>皮膚は裂けることがあります：%1。引き裂いた試料は %2 〜 %3 % で破断しました</translation>
     </message>
     <message>
         <source>skin would tear: %1, torn samples failed between %2 and %3 %</source>
-        <translation>皮膚は裂けます：%1。引き裂いた試料は %2～%3 % で破断しました</translation>
+        <translation>皮膚は裂けます：%1。引き裂いた試料は %2 〜 %3 % で破断しました</translation>
     </message>
     <message>
         <source>Force %1 N</source>
@@ -5725,7 +5709,7 @@
     </message>
     <message>
         <source>tissue values: %1 to %2 N</source>
-        <translation>組織の値：%1～%2 N</translation>
+        <translation>組織の値：%1 〜 %2 N</translation>
     </message>
     <message>
         <source>decided by %1</source>
@@ -5737,7 +5721,7 @@
     </message>
     <message>
         <source>tissue values: force %1 to %2 N, opening %3 to %4 mm</source>
-        <translation>組織の値：力 %1～%2 N、開口 %3～%4 mm</translation>
+        <translation>組織の値：力 %1 〜 %2 N、開口 %3 〜 %4 mm</translation>
     </message>
     <message>
         <source>%1 (times %2: little is seen)</source>
@@ -5942,6 +5926,498 @@
     <message>
         <source>finding where a finger can go %1 %</source>
         <translation>指の届く範囲を調べています %1 %</translation>
+    </message>
+    <message>
+        <source>Both eyes with a lamp see %1 %.</source>
+        <translation>照明を使う両眼には %1 % が見えます。</translation>
+    </message>
+    <message>
+        <source>Two instruments reach %1 %.</source>
+        <translation>二本の器械は %1 % に届きます。</translation>
+    </message>
+    <message>
+        <source>A finger touches %1 %.</source>
+        <translation>指は %1 % に触れます。</translation>
+    </message>
+    <message>
+        <source>A finger ends %1 mm before the %2.</source>
+        <translation>指は%2の %1 mm 手前で止まります。</translation>
+    </message>
+    <message>
+        <source>What stays hidden is its %1 part.</source>
+        <translation>隠れたままなのは%1の部分です。</translation>
+    </message>
+    <message>
+        <source>superior</source>
+        <translation>頭側</translation>
+    </message>
+    <message>
+        <source>inferior</source>
+        <translation>尾側</translation>
+    </message>
+    <message>
+        <source>Organs hide the %1 even with the wall removed.</source>
+        <translation>胸壁がなくても、臓器が%1を隠します。</translation>
+    </message>
+    <message>
+        <source>No eye sees the %1 through the opening at less than %2 degrees of incidence.</source>
+        <translation>入射角 %2 度未満で開口部から%1を見る位置はありません。</translation>
+    </message>
+    <message>
+        <source>No angle to the valve: %1.</source>
+        <translation>弁に対する角度はありません：%1。</translation>
+    </message>
+    <message>
+        <source>The opening lies %1 mm from the annulus, %2 degrees off the valve's axis; the best eye looks along it at %3 degrees.</source>
+        <translation>開口部は弁輪から %1 mm、弁の軸から %2 度の所にあります。最良の眼は軸に対して %3 度で見ます。</translation>
+    </message>
+    <message>
+        <source>The opening lies %1 mm from the annulus, %2 degrees off the valve's axis.</source>
+        <translation>開口部は弁輪から %1 mm、弁の軸から %2 度の所にあります。</translation>
+    </message>
+    <message>
+        <source>No bone stands in the line of sight.</source>
+        <translation>視線に骨はありません。</translation>
+    </message>
+    <message>
+        <source>Mind that %1.</source>
+        <translation>注意：%1。</translation>
+    </message>
+    <message>
+        <source>the hole of the removed skin (%1 cm2 at rest) is not part of the opening</source>
+        <translation>切除した皮膚の穴（静止時 %1 cm2）は開口に含みません</translation>
+    </message>
+    <message>
+        <source>The other shares of the target have no error bars of their own: they are at least as uncertain as the opening, whose bar is %1 of its width.</source>
+        <translation>標的のほかの割合には固有の誤差がありません。少なくとも開口部と同じ程度に不確かで、その誤差は幅の %1 です。</translation>
+    </message>
+    <message>
+        <source>Largest opening without a fracture (estimate)</source>
+        <translation>骨折しない最大の開創（推定）</translation>
+    </message>
+    <message>
+        <source>%1 mm and %2 N: beyond %3 mm and %4 N tissue ruptured in half of %5 retractions with a rib spreader (%6)</source>
+        <translation>%1 mm、%2 N：%3 mm と %4 N を超えると、開胸器による %5 回の開創の半数で組織が裂けました（%6）</translation>
+    </message>
+    <message>
+        <source>ten-node elements at bone, and at lips unless blades bear on cut bone, four-node elements elsewhere, Poisson's ratios at most %1</source>
+        <translation>骨と、ブレードが切断骨に当たらない創縁では十節点要素、ほかは四節点要素、ポアソン比は %1 以下</translation>
+    </message>
+    <message>
+        <source>corotational</source>
+        <translation>共回転</translation>
+    </message>
+    <message>
+        <source>neo-Hookean</source>
+        <translation>ネオフック</translation>
+    </message>
+    <message>
+        <source>solved as %1</source>
+        <translation>解法：%1</translation>
+    </message>
+    <message>
+        <source>a draft, solved as %1</source>
+        <translation>下書き、解法：%1</translation>
+    </message>
+    <message>
+        <source>relative residual %1</source>
+        <translation>相対残差 %1</translation>
+    </message>
+    <message>
+        <source>%1, left blade: %2</source>
+        <translation>%1、左のブレード：%2</translation>
+    </message>
+    <message>
+        <source>%1, right blade: %2</source>
+        <translation>%1、右のブレード：%2</translation>
+    </message>
+    <message>
+        <source>Hooks: %1</source>
+        <translation>鉤：%1</translation>
+    </message>
+    <message>
+        <source>Blades: %1</source>
+        <translation>ブレード：%1</translation>
+    </message>
+    <message>
+        <source>muscle with its fasciae under retraction</source>
+        <translation>開創時の筋と筋膜</translation>
+    </message>
+    <message>
+        <source>shear wave to the first slope in tension, %1</source>
+        <translation>せん断波から引張の初期勾配まで、%1</translation>
+    </message>
+    <message>
+        <source>%1 to %2 across the fibres, %3</source>
+        <translation>線維を横切る方向に %1 〜 %2、%3</translation>
+    </message>
+    <message>
+        <source>widened, ours</source>
+        <translation>本プログラムで広げた範囲</translation>
+    </message>
+    <message>
+        <source>substance %1 to %2 MPa, with perichondrium, %3</source>
+        <translation>実質 %1 〜 %2 MPa、軟骨膜を含む、%3</translation>
+    </message>
+    <message>
+        <source>by the patient's CT, see bone_stiffness</source>
+        <translation>患者の CT による。bone_stiffness を参照</translation>
+    </message>
+    <message>
+        <source>whole ribs in bending, %1</source>
+        <translation>肋骨全体の曲げ、%1</translation>
+    </message>
+    <message>
+        <source>turns by %1 to %2 degrees, %3</source>
+        <translation>%1 〜 %2 度回る、%3</translation>
+    </message>
+    <message>
+        <source>small to moderate strain</source>
+        <translation>小 〜 中程度のひずみ</translation>
+    </message>
+    <message>
+        <source>a factor of %1 to either side, ours</source>
+        <translation>上下に %1 倍、本プログラムの仮定</translation>
+    </message>
+    <message>
+        <source>cortex of %1 GPa [%2] over %3 % of the section, median of %4 sections in the CT</source>
+        <translation>断面の %3 % が皮質骨（%1 GPa [%2]）、CT の %4 断面の中央値</translation>
+    </message>
+    <message>
+        <source>%1 MPa (%2) times %3 for the perichondrium [%4] times %5 for the calcified share of %6 % [%7]</source>
+        <translation>%1 MPa（%2）に軟骨膜の %3 倍 [%4]、石灰化 %6 % の %5 倍を掛けた値 [%7]</translation>
+    </message>
+    <message>
+        <source>The model holds the whole wall in the image.</source>
+        <translation>モデルは画像内の体壁のすべてを含みます。</translation>
+    </message>
+    <message>
+        <source>The model holds the wall within %1 mm of the incision (given).</source>
+        <translation>モデルは切開から %1 mm 以内の体壁を含みます（指定）。</translation>
+    </message>
+    <message>
+        <source>A larger region needs more memory than there is.</source>
+        <translation>より広い範囲にはメモリが足りません。</translation>
+    </message>
+    <message>
+        <source>A larger region gave no answer: %1.</source>
+        <translation>より広い範囲では答えが得られませんでした：%1。</translation>
+    </message>
+    <message>
+        <source>By drafts, the wall beyond changes the force more than twofold.</source>
+        <translation>下書きでは、その外の壁で力が二倍以上変わります。</translation>
+    </message>
+    <message>
+        <source>By drafts, the wall beyond changes the force by %1 %.</source>
+        <translation>下書きでは、その外の壁で力が %1 % 変わります。</translation>
+    </message>
+    <message>
+        <source>contact: %1 points touch, with %2 N in total and a penetration of at most %3 mm</source>
+        <translation>接触：%1 点が触れ、合計 %2 N、食い込みは最大 %3 mm</translation>
+    </message>
+    <message>
+        <source>contact: nothing touches</source>
+        <translation>接触：何も触れません</translation>
+    </message>
+    <message>
+        <source>Time: %1.</source>
+        <translation>計算時間：%1。</translation>
+    </message>
+    <message>
+        <source>mesh</source>
+        <translation>メッシュ</translation>
+    </message>
+    <message>
+        <source>open</source>
+        <translation>開創</translation>
+    </message>
+    <message>
+        <source>expose</source>
+        <translation>術野</translation>
+    </message>
+    <message>
+        <source>estimate error</source>
+        <translation>誤差の推定</translation>
+    </message>
+    <message>
+        <source>organs higher</source>
+        <translation>臓器の頭側移動</translation>
+    </message>
+    <message>
+        <source>tissue values</source>
+        <translation>組織値</translation>
+    </message>
+    <message>
+        <source>strain and bones</source>
+        <translation>ひずみと骨</translation>
+    </message>
+    <message>
+        <source>render</source>
+        <translation>描画</translation>
+    </message>
+    <message>
+        <source>Rib %1 on the left would break in its %2 part, %3 mm from the spine, from an opening of about %4 mm on (%5 N m; tested ribs broke at about %6 N m).</source>
+        <translation>左第 %1 肋骨は、脊椎から %3 mm の%2部で、開創およそ %4 mm から折れる見込みです（%5 N m、試験では肋骨はおよそ %6 N m で折れました）。</translation>
+    </message>
+    <message>
+        <source>Rib %1 on the right would break in its %2 part, %3 mm from the spine, from an opening of about %4 mm on (%5 N m; tested ribs broke at about %6 N m).</source>
+        <translation>右第 %1 肋骨は、脊椎から %3 mm の%2部で、開創およそ %4 mm から折れる見込みです（%5 N m、試験では肋骨はおよそ %6 N m で折れました）。</translation>
+    </message>
+    <message>
+        <source>The largest opening without a fracture is about %1 mm (estimate).</source>
+        <translation>骨折しない最大の開創はおよそ %1 mm です（推定）。</translation>
+    </message>
+    <message>
+        <source>%1, by retractor %2</source>
+        <translation>%1、retractor %2 による</translation>
+    </message>
+    <message>
+        <source>range %1 - %2 MPa, %3; middle value</source>
+        <translation>範囲 %1 〜 %2 MPa、%3。中央の値</translation>
+    </message>
+    <message>
+        <source>range %1 - %2 MPa, %3</source>
+        <translation>範囲 %1 〜 %2 MPa、%3</translation>
+    </message>
+    <message>
+        <source>middle value</source>
+        <translation>中央の値</translation>
+    </message>
+    <message>
+        <source>%1: in-plane stretch of tens of per cent; %2 MPa at small strain (shear wave), %3 MPa in tension to failure</source>
+        <translation>%1：面内の数十 % の伸び。小ひずみでは %2 MPa（せん断波）、破断までの引張では %3 MPa</translation>
+    </message>
+    <message>
+        <source>%1: relaxed, across the fibres, light load; %2 MPa at %3 N</source>
+        <translation>%1：弛緩時、線維を横切る方向、軽い荷重。%3 N で %2 MPa</translation>
+    </message>
+    <message>
+        <source>%1: whole ribs in bending, homogenised over cortex and marrow, %2 - %3 MPa; geometric mean</source>
+        <translation>%1：肋骨全体の曲げ、皮質と髄を均質化、%2 〜 %3 MPa。幾何平均</translation>
+    </message>
+    <message>
+        <source>costal cartilage, range %1 - %2 MPa, small strain: %3 MPa times %4 for the perichondrium (%5)</source>
+        <translation>肋軟骨、範囲 %1 〜 %2 MPa、小ひずみ：%3 MPa に軟骨膜の %4 倍を掛けた値（%5）</translation>
+    </message>
+    <message>
+        <source>aortic wall at pulse strain; %1 MPa young, %2 MPa old from in-vivo stretch (%3)</source>
+        <translation>脈動のひずみでの大動脈壁。生体内の伸びから若年 %1 MPa、高齢 %2 MPa（%3）</translation>
+    </message>
+    <message>
+        <source>sclerotic aortic wall at pulse strain, three times the normal wall</source>
+        <translation>脈動のひずみでの硬化した大動脈壁、正常壁の三倍</translation>
+    </message>
+    <message>
+        <source>passive myocardium, small strain, order of magnitude: shear modulus %1 - %2 kPa</source>
+        <translation>受動的な心筋、小ひずみ、桁の目安：せん断弾性率 %1 〜 %2 kPa</translation>
+    </message>
+    <message>
+        <source>inflated parenchyma, small strain, order of magnitude: %1 - %2 kPa</source>
+        <translation>含気した肺実質、小ひずみ、桁の目安：%1 〜 %2 kPa</translation>
+    </message>
+    <message>
+        <source>%1: shear modulus %2 kPa, small strain (elastography)</source>
+        <translation>%1：せん断弾性率 %2 kPa、小ひずみ（エラストグラフィ）</translation>
+    </message>
+    <message>
+        <source>No objection.</source>
+        <translation>異議なし。</translation>
+    </message>
+    <message>
+        <source>Caution.</source>
+        <translation>注意。</translation>
+    </message>
+    <message>
+        <source>Objection.</source>
+        <translation>異議あり。</translation>
+    </message>
+    <message>
+        <source>Not usable.</source>
+        <translation>使えません。</translation>
+    </message>
+    <message>
+        <source>%1 mm and more</source>
+        <translation>%1 mm 以上</translation>
+    </message>
+    <message>
+        <source>lung left deflated</source>
+        <translation>虚脱した左肺</translation>
+    </message>
+    <message>
+        <source>lung right deflated</source>
+        <translation>虚脱した右肺</translation>
+    </message>
+    <message>
+        <source>%1: Strain</source>
+        <translation>%1：ひずみ</translation>
+    </message>
+    <message>
+        <source>%1: Pressure of the blades</source>
+        <translation>%1：ブレードの圧力</translation>
+    </message>
+    <message>
+        <source>%1: Distance to structures at risk</source>
+        <translation>%1：危険構造までの距離</translation>
+    </message>
+    <message>
+        <source>%1: How much of the view shows each part of the target</source>
+        <translation>%1：標的の各部が視野に占める割合</translation>
+    </message>
+    <message>
+        <source>%1: Where the eye sees how much</source>
+        <translation>%1：どこから見るとどれだけ見えるか</translation>
+    </message>
+    <message>
+        <source>NOT IN EQUILIBRIUM: do not use</source>
+        <translation>釣り合っていません：使わないでください</translation>
+    </message>
+    <message>
+        <source>FAILED: do not use these numbers</source>
+        <translation>失敗：この数値を使わないでください</translation>
+    </message>
+    <message>
+        <source>caution: %1 elements inside out</source>
+        <translation>注意：要素 %1 個が裏返り</translation>
+    </message>
+    <message>
+        <source>caution: %1 element inside out</source>
+        <translation>注意：要素 %1 個が裏返り</translation>
+    </message>
+    <message>
+        <source>target: %1</source>
+        <translation>標的：%1</translation>
+    </message>
+    <message>
+        <source>seen by the best eye</source>
+        <translation>最良の眼に見える割合</translation>
+    </message>
+    <message>
+        <source>  with two eyes and a lamp</source>
+        <translation>  照明と両眼で</translation>
+    </message>
+    <message>
+        <source>  reached by two instruments</source>
+        <translation>  二本の器械が届く割合</translation>
+    </message>
+    <message>
+        <source>working distance</source>
+        <translation>作業距離</translation>
+    </message>
+    <message>
+        <source>incision</source>
+        <translation>切開</translation>
+    </message>
+    <message>
+        <source>retractor force, one side</source>
+        <translation>開創器の力（片側）</translation>
+    </message>
+    <message>
+        <source>hook force, one side</source>
+        <translation>鉤の力（片側）</translation>
+    </message>
+    <message>
+        <source>hooks that yield</source>
+        <translation>滑る鉤</translation>
+    </message>
+    <message>
+        <source>bone in sight</source>
+        <translation>視線にある骨</translation>
+    </message>
+    <message>
+        <source>%1 and %2 more</source>
+        <translation>%1とほか %2 本</translation>
+    </message>
+    <message>
+        <source>along the incision: a flat section; the cut curves up to %1 mm out of it</source>
+        <translation>切開に沿う平面断面。切開は最大 %1 mm 外れて曲がります</translation>
+    </message>
+    <message>
+        <source>left blade, largest</source>
+        <translation>左のブレード、最大</translation>
+    </message>
+    <message>
+        <source>right blade, largest</source>
+        <translation>右のブレード、最大</translation>
+    </message>
+    <message>
+        <source>nearest to the steel</source>
+        <translation>器械に最も近いもの</translation>
+    </message>
+    <message>
+        <source>nearest to the cut, at rest</source>
+        <translation>切開に最も近いもの（静止時）</translation>
+    </message>
+    <message>
+        <source>none within %1 mm</source>
+        <translation>%1 mm 以内になし</translation>
+    </message>
+    <message>
+        <source>below %1 mm</source>
+        <translation>%1 mm 未満</translation>
+    </message>
+    <message>
+        <source>below %1 kPa</source>
+        <translation>%1 kPa 未満</translation>
+    </message>
+    <message>
+        <source>below %1 %</source>
+        <translation>%1 % 未満</translation>
+    </message>
+    <message>
+        <source>%1 or more mm</source>
+        <translation>%1 mm 以上</translation>
+    </message>
+    <message>
+        <source>%1 or more kPa</source>
+        <translation>%1 kPa 以上</translation>
+    </message>
+    <message>
+        <source>%1 or more %</source>
+        <translation>%1 % 以上</translation>
+    </message>
+    <message>
+        <source>The blades bear on soft tissue only, on no bone.</source>
+        <translation>ブレードは軟部組織だけに当たり、骨には当たりません。</translation>
+    </message>
+    <message>
+        <source>The %1 bears on soft tissue only, on no bone.</source>
+        <translation>%1は軟部組織だけに当たり、骨には当たりません。</translation>
+    </message>
+    <message>
+        <source>Stereo</source>
+        <translation>立体表示</translation>
+    </message>
+    <message>
+        <source>Off</source>
+        <translation>オフ</translation>
+    </message>
+    <message>
+        <source>Red and cyan</source>
+        <translation>赤青メガネ</translation>
+    </message>
+    <message>
+        <source>Side by side</source>
+        <translation>左右に並べる</translation>
+    </message>
+    <message>
+        <source>Lines</source>
+        <translation>走査線ごと</translation>
+    </message>
+    <message>
+        <source>Show scenes in space to one eye</source>
+        <translation>立体の画面を片目用に表示します</translation>
+    </message>
+    <message>
+        <source>For coloured glasses, the red one before the left eye</source>
+        <translation>色メガネ用。赤いレンズを左目に当てます</translation>
+    </message>
+    <message>
+        <source>For a 3D monitor that takes both pictures beside each other; use the full screen</source>
+        <translation>左右の画像を並べて受ける 3D モニタ用。全画面で使います</translation>
+    </message>
+    <message>
+        <source>For a 3D monitor whose lines belong to the left and the right eye in turn</source>
+        <translation>走査線が左右の眼に交互に属する 3D モニタ用</translation>
     </message>
 </context>
 </TS>

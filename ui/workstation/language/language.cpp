@@ -1,7 +1,6 @@
 #include "ui/workstation/language/language.h"
 
 #include "mesh/base/error.h"
-#include "ui/scene/scene.h"
 #include "ui/scene/vtk/annotations.h"
 #include "ui/workstation/language/phrasebook.h"
 
@@ -198,20 +197,19 @@ QString translated(const std::string& english) { return translated(QString::from
 
 QString translated(const char* english) { return translated(QString::fromUtf8(english)); }
 
+TextLanguage picture_language()
+{
+    if (!chosen().in_pictures)
+        return {};
+    return [book = language_book()](
+               const std::string& english) { return translated(*book, QString::fromStdString(english)).toStdString(); };
+}
+
 void translate_texts(Scene& scene)
 {
     if (!chosen().in_pictures)
         return;
-    const auto translate_text = [](std::string& text) { text = translated(text).toStdString(); };
-    translate_text(scene.title);
-    for (LegendLine& line : scene.legend) {
-        translate_text(line.key);
-        translate_text(line.value);
-    }
-    for (std::string& note : scene.notes)
-        translate_text(note);
-    for (TextItem& word : scene.words)
-        translate_text(word.text);
+    say_texts(scene, [](const std::string& text) { return translated(text).toStdString(); });
 }
 
 void translate_texts(QWidget& window)

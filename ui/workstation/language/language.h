@@ -2,6 +2,8 @@
 // The language of the windows. Sources, logs and command line are in English; ui/workstation/language/ja.ts holds the
 // Japanese, and can be edited with Qt Linguist.
 
+#include "ui/scene/scene_language.h"
+
 #include <QString>
 
 #include <array>
@@ -11,7 +13,6 @@ class QWidget;
 
 namespace retractor::ui {
 
-struct Scene;
 struct Phrasebook;
 
 struct Language {
@@ -45,6 +46,10 @@ QString translated(const char* english);
 
 /// Translates what the window and everything in it shows now: labels, buttons, actions, choices, tool tips.
 void translate_texts(QWidget& window);
+
+/// The language for texts in pictures; empty in English, and where no font has the language's letters. It may be used
+/// on any thread, while the program lives.
+TextLanguage picture_language();
 
 /// Translates title, legend, notes and words of a picture, where there is a font that has the language's letters.
 void translate_texts(Scene& scene);

@@ -93,15 +93,39 @@ namespace {
         return std::nullopt;
     }
 
-    /// A list of names, each with a number or not: "heart 16.7 mm, aorta 18.7 mm".
+    /// "27 to 33 mm", "3 of 4". @returns nothing where the text is not two such numbers
+    std::optional<QString> translated_numbers(const QString& english)
+    {
+        static const QRegularExpression two_numbers("^(-?[0-9][0-9.,]*) (to|of) (-?[0-9][0-9.,]*)( [A-Za-z%/0-9]+)?$");
+        const QRegularExpressionMatch match = two_numbers.match(english);
+        if (!match.hasMatch())
+            return std::nullopt;
+        const QString between = match.captured(2) == "to" ? QString::fromUtf8(" \u301c ") : " / ";
+        return match.captured(1) + between + match.captured(3) + match.captured(4);
+    }
+
+    /// The parts of "skin, fat and bone".
+    QStringList parts_of_list(const Phrasebook& book, const QString& english)
+    {
+        static const QString last_between(" and ");
+        QStringList parts = english.split(", ");
+        if (const int at = parts.back().lastIndexOf(last_between); at > 0 && !book.phrases.contains(parts.back())) {
+            const QString last = parts.back().mid(at + last_between.size());
+            parts.back().truncate(at);
+            parts += last;
+        }
+        return parts;
+    }
+
+    /// A list of names, each with a number or not: "heart 16.7 mm, aorta 18.7 mm", "skin (7 %) and fat (3 %)".
     /// @returns nothing where one of them is not known
     std::optional<QString> translated_list(const Phrasebook& book, const QString& english)
     {
-        static const QRegularExpression number(" -?[0-9.]+ (?:mm|%)$");
+        static const QRegularExpression number("(?: -?[0-9.]+ (?:mm|%|s)| \\([0-9.]+ %\\))$");
         if (english.contains("; ") || english.contains(". "))
             return std::nullopt;
         QStringList said;
-        for (QString part : english.split(", ")) {
+        for (QString part : parts_of_list(book, english)) {
             const QRegularExpressionMatch match = number.match(part);
             const QString behind = match.captured();
             part = part.left(part.size() - behind.size()).replace('_', ' ');
@@ -198,6 +222,8 @@ QString translated(const Phrasebook& book, const QString& english)
         return english;
     if (english.contains('\n'))
         return joined_parts(book, english.split('\n'), "\n");
+    if (const auto numbers = translated_numbers(english))
+        return *numbers;
     if (const auto list = translated_list(book, english)) // before a phrase takes two names for one
         return *list;
     for (const OpenPhrase& phrase : book.open_phrases)

@@ -382,13 +382,16 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
     };
     backend.write_movie = [patient](const PlanningBackend::Shown& shown, const std::filesystem::path& file,
                               const std::filesystem::path& pictures, const Job& job) {
-        const MovieContent content { .planned_case = shown.planned_case, .fields = saved_fields(*patient, shown) };
+        const MovieContent content {
+            .planned_case = shown.planned_case, .fields = saved_fields(*patient, shown), .language = shown.language
+        };
         return write_movie(file, pictures, *patient, content, {}, make_offscreen_context(), job);
     };
     backend.write_report
         = [patient](const PlanningBackend::Shown& shown, const std::filesystem::path& file, const Job& job) {
               std::vector<planner::PlannedField> fields = saved_fields(*patient, shown);
-              return write_report_page(file, *patient, fields, { .views = shown.planned_case.views }, job);
+              return write_report_page(
+                  file, *patient, fields, { .views = shown.planned_case.views, .language = shown.language }, job);
           };
     backend.palpate_through = [patient](const planner::Approach& approach, const Job& job) {
         const auto saved = planner::read_saved_plan(case_with(*patient, approach), approach.name);

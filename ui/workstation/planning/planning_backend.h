@@ -72,6 +72,7 @@ struct PlanningBackend {
     struct Shown {
         planner::Case planned_case;
         std::vector<std::string> planned;
+        TextLanguage language {}; ///< of the texts in pictures
     };
     /// Writes a movie of the case and its plans, see write_movie(). @return false: cancelled
     /// @throws InputError also where a plan is not kept beside the case

@@ -6419,5 +6419,17 @@
         <source>For a 3D monitor whose lines belong to the left and the right eye in turn</source>
         <translation>走査線が左右の眼に交互に属する 3D モニタ用</translation>
     </message>
+    <message>
+        <source>lung left, deflated</source>
+        <translation>虚脱した左肺</translation>
+    </message>
+    <message>
+        <source>lung right, deflated</source>
+        <translation>虚脱した右肺</translation>
+    </message>
+    <message>
+        <source>coronary target</source>
+        <translation>冠動脈の標的</translation>
+    </message>
 </context>
 </TS>

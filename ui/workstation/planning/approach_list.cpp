@@ -7,6 +7,7 @@
 #include <QPainter>
 #include <QSignalBlocker>
 #include <QStyledItemDelegate>
+#include <QTextLayout>
 
 namespace retractor::ui {
 
@@ -17,14 +18,46 @@ namespace {
     constexpr int kMargin = 12;
     constexpr int kDot = 10;
 
+    constexpr int kMostNameLines = 2;
+
+    QFont bold_of(QFont font)
+    {
+        font.setBold(true);
+        return font;
+    }
+
+    /// The name in lines of at most that width, broken where its language breaks lines; the last one may be cut short.
+    QStringList name_lines(const QString& name, const QFont& font, int width)
+    {
+        QTextLayout layout(name, font);
+        layout.beginLayout();
+        QStringList lines;
+        for (QTextLine line = layout.createLine(); line.isValid(); line = layout.createLine()) {
+            line.setLineWidth(width);
+            if (lines.size() + 1 == kMostNameLines) {
+                lines += QFontMetrics(font).elidedText(name.mid(line.textStart()), Qt::ElideRight, width);
+                break;
+            }
+            lines += name.mid(line.textStart(), line.textLength()).trimmed();
+        }
+        layout.endLayout();
+        return lines;
+    }
+
     /// Draws an entry: a dot, the name in bold, and the detail below.
     class ApproachDelegate : public QStyledItemDelegate {
     public:
-        using QStyledItemDelegate::QStyledItemDelegate;
-
-        QSize sizeHint(const QStyleOptionViewItem& option, const QModelIndex&) const override
+        explicit ApproachDelegate(QListWidget* list)
+            : QStyledItemDelegate(list)
+            , list_(*list)
         {
-            return { 0, 2 * option.fontMetrics.lineSpacing() + 2 * kMargin };
+        }
+
+        QSize sizeHint(const QStyleOptionViewItem& option, const QModelIndex& index) const override
+        {
+            const int width = text_rect({ 0, 0, list_.viewport()->width(), 1 }).width();
+            const qsizetype lines = 1 + name_lines(index.data().toString(), bold_of(option.font), width).size();
+            return { 0, static_cast<int>(lines) * option.fontMetrics.lineSpacing() + 2 * kMargin };
         }
 
         void paint(QPainter* painter, const QStyleOptionViewItem& option, const QModelIndex& index) const override
@@ -35,24 +68,33 @@ namespace {
             if (selected)
                 painter->fillRect(option.rect, option.palette.highlight());
             const int line = option.fontMetrics.lineSpacing();
-            QRect text = option.rect.adjusted(2 * kMargin + kDot, kMargin, -kMargin, -kMargin);
+            const QRect text = text_rect(option.rect);
             painter->setPen(Qt::NoPen);
             painter->setBrush(index.data(kColorRole).value<QColor>());
             painter->drawEllipse(option.rect.left() + kMargin, text.top() + (line - kDot) / 2, kDot, kDot);
 
-            QFont bold = option.font;
-            bold.setBold(true);
+            const QFont bold = bold_of(option.font);
             painter->setFont(bold);
             painter->setPen(selected ? Qt::white : option.palette.text().color());
-            const QFontMetrics bold_metrics(bold);
-            painter->drawText(text.left(), text.top() + bold_metrics.ascent(),
-                bold_metrics.elidedText(index.data().toString(), Qt::ElideRight, text.width()));
+            int top = text.top();
+            for (const QString& part : name_lines(index.data().toString(), bold, text.width())) {
+                painter->drawText(text.left(), top + QFontMetrics(bold).ascent(), part);
+                top += line;
+            }
             painter->setFont(option.font);
             painter->setPen(selected ? QColor(0xdd, 0xe8, 0xf2) : QColor(0xa4, 0xad, 0xb5));
-            painter->drawText(text.left(), text.top() + line + option.fontMetrics.ascent(),
+            painter->drawText(text.left(), top + option.fontMetrics.ascent(),
                 option.fontMetrics.elidedText(index.data(kDetailRole).toString(), Qt::ElideRight, text.width()));
             painter->restore();
         }
+
+    private:
+        static QRect text_rect(const QRect& entry)
+        {
+            return entry.adjusted(2 * kMargin + kDot, kMargin, -kMargin, -kMargin);
+        }
+
+        const QListWidget& list_;
     };
 
     QString detail_of(const SessionModel& model, std::size_t index)
@@ -99,6 +141,7 @@ ApproachList::ApproachList(QWidget* parent)
 {
     setItemDelegate(new ApproachDelegate(this));
     setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    setResizeMode(QListView::Adjust); // a name takes one line or two
     setAccessibleName("Approaches");
 }
 

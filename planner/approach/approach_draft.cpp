@@ -141,6 +141,7 @@ Approach with_incision_of(const Approach& approach, const Approach& placed)
     moved.rationale = placed.rationale;
     if (moved.retractor) {
         moved.retractor->along_mm = 0.5 * incision_length(moved);
+        deepen_blades(moved);
         static_cast<void>(blades_of(moved)); // refuses a wall that is too thin
     } else if (!moved.hooks.empty()) {
         check_placed_by_template(approach);

@@ -28,74 +28,36 @@ namespace {
         return tangent.cross(incision_place(approach, along).of(approach.directions)).normalized();
     }
 
-    /// What the middle of a patch and its two halves lie over.
-    struct WallUnderPatch {
-        double thinnest_mm = 0.0, thickest_mm = 0.0;
-        double hold_mm = 0.0; ///< mean depth at which a hook holds
-    };
-
-    WallUnderPatch wall_under(const Approach& approach, double along_mm, double width_mm)
-    {
-        constexpr int kSamples = 5;
-        const double length = incision_length(approach);
-        WallUnderPatch wall { .thinnest_mm = approach.depth_mm };
-        if (approach.wall_thickness_mm.empty())
-            wall.thickest_mm = approach.depth_mm;
-        for (int n = 0; n < kSamples; ++n) {
-            const double along = along_mm + width_mm * (static_cast<double>(n) / (kSamples - 1) - 0.5);
-            const IncisionPlace place = incision_place(approach, std::clamp(along, 0.0, length));
-            if (!approach.wall_thickness_mm.empty()) {
-                const double here = place.of(approach.wall_thickness_mm);
-                wall.thinnest_mm = std::min(wall.thinnest_mm, here);
-                wall.thickest_mm = std::max(wall.thickest_mm, here);
-            }
-            wall.hold_mm
-                += (approach.hook_depth_mm.empty() ? 0.5 * approach.depth_mm : place.of(approach.hook_depth_mm))
-                / kSamples;
-        }
-        return wall;
-    }
-
-    void check_room(double room_mm, double wall_mm, const HookSpec& hook)
-    {
-        if (!(room_mm > kRimMm))
-            throw InputError("the wall is only " + in_words(wall_mm, 1) + " mm thick under the hook at "
-                + in_words(hook.along_mm) + " mm along the incision: no room for a hook");
-    }
-
-    void check_reach(const HookSpec& blade, double largest_depth_mm)
-    {
-        if (!(blade.patch_height_mm > kRimMm))
-            throw InputError("a blade of " + in_words(largest_depth_mm, 1) + " mm does not reach into the wound",
-                "retractor", { "blade_depth_mm" });
-    }
-
-    /// Fits a hook that is fixed to its lip to the thinnest wall and the mean hold depth under its patch.
+    /// Fits a hook to the thinnest wall and the mean hold depth under its patch.
     /// @param largest_depth_mm depth below the skin that the hook reaches at most
-    void fit_fixed(
+    void fit_depth(
         const Approach& approach, HookSpec& hook, double largest_depth_mm = std::numeric_limits<double>::infinity())
     {
-        const WallUnderPatch wall = wall_under(approach, hook.along_mm, hook.patch_width_mm);
-        const double room = wall.thinnest_mm - 2.0 * kRimMm;
-        check_room(room, wall.thinnest_mm, hook);
+        double wall = approach.depth_mm;
+        double hold = 0.0;
+        constexpr int kSamples = 5;
+        const double length = incision_length(approach);
+        for (int n = 0; n < kSamples; ++n) {
+            const double along = hook.along_mm + hook.patch_width_mm * (static_cast<double>(n) / (kSamples - 1) - 0.5);
+            const IncisionPlace place = incision_place(approach, std::clamp(along, 0.0, length));
+            if (!approach.wall_thickness_mm.empty())
+                wall = std::min(wall, place.of(approach.wall_thickness_mm));
+            hold += (approach.hook_depth_mm.empty() ? 0.5 * approach.depth_mm : place.of(approach.hook_depth_mm))
+                / kSamples;
+        }
+        const double room = wall - 2.0 * kRimMm;
+        if (!(room > kRimMm))
+            throw InputError("the wall is only " + in_words(wall, 1) + " mm thick under the hook at "
+                + in_words(hook.along_mm) + " mm along the incision: no room for a hook");
         // The blade of a retractor reaches from the skin through the wall. If it held only deep tissue, the skin would
         // hang into the field.
         hook.patch_height_mm = std::min(room, largest_depth_mm - kRimMm);
-        check_reach(hook, largest_depth_mm);
+        if (!(hook.patch_height_mm > kRimMm))
+            throw InputError("a blade of " + in_words(largest_depth_mm, 1) + " mm does not reach into the wound",
+                "retractor", { "blade_depth_mm" });
         const double half = 0.5 * hook.patch_height_mm;
-        const double deepest = std::min(wall.thinnest_mm - kRimMm, largest_depth_mm);
-        hook.depth_mm = std::clamp(wall.hold_mm, kRimMm + half, std::max(kRimMm + half, deepest - half));
-    }
-
-    /// Fits a blade that pushes its lip: from the skin past the inner side of the wall, so that it bears on bone
-    /// wherever that lies.
-    void fit_in_contact(const Approach& approach, HookSpec& blade, double largest_depth_mm)
-    {
-        const double through = depth_through_wall(approach, blade.along_mm, blade.patch_width_mm);
-        check_room(through - 3.0 * kRimMm, through - kRimMm, blade);
-        blade.patch_height_mm = std::min(through, largest_depth_mm) - kRimMm;
-        check_reach(blade, largest_depth_mm);
-        blade.depth_mm = kRimMm + 0.5 * blade.patch_height_mm;
+        const double deepest = std::min(wall - kRimMm, largest_depth_mm);
+        hook.depth_mm = std::clamp(hold, kRimMm + half, std::max(kRimMm + half, deepest - half));
     }
 
 } // namespace
@@ -143,14 +105,13 @@ std::vector<HookSpec> make_hooks(
             hook.direction = side * left;
             hook.opening_mm = 0.5 * opening_mm;
             hook.pull = pull;
-            fit_fixed(approach, hook);
+            fit_depth(approach, hook);
             hooks.push_back(hook);
         }
     return hooks;
 }
 
-std::vector<HookSpec> make_blades(
-    const Approach& approach, HookHold hold, double along_mm, double width_mm, double largest_depth_mm)
+std::vector<HookSpec> make_blades(const Approach& approach, double along_mm, double width_mm, double largest_depth_mm)
 {
     const Vec3 left = left_at(approach, along_mm, width_mm);
     std::vector<HookSpec> blades;
@@ -159,12 +120,8 @@ std::vector<HookSpec> make_blades(
             .side = side,
             .along_mm = along_mm,
             .patch_width_mm = width_mm,
-            .direction = side * left,
-            .hold = hold };
-        if (hold == HookHold::contact)
-            fit_in_contact(approach, blade, largest_depth_mm);
-        else
-            fit_fixed(approach, blade, largest_depth_mm);
+            .direction = side * left };
+        fit_depth(approach, blade, largest_depth_mm);
         blades.push_back(std::move(blade));
     }
     return blades;
@@ -172,7 +129,16 @@ std::vector<HookSpec> make_blades(
 
 double depth_through_wall(const Approach& approach, double along_mm, double width_mm)
 {
-    return wall_under(approach, along_mm, width_mm).thickest_mm + kRimMm;
+    constexpr int kSamples = 5;
+    const double length = incision_length(approach);
+    double thickest = 0.0;
+    for (int n = 0; n < kSamples && !approach.wall_thickness_mm.empty(); ++n) {
+        const double along = along_mm + width_mm * (static_cast<double>(n) / (kSamples - 1) - 0.5);
+        const double wall = incision_place(approach, std::clamp(along, 0.0, length)).of(approach.wall_thickness_mm);
+        if (wall < approach.depth_mm)
+            thickest = std::max(thickest, wall);
+    }
+    return thickest > 0.0 ? thickest : approach.depth_mm;
 }
 
 void set_hooks(Case& planned_case, std::string_view approach_name, std::string_view template_name, double opening_mm,

@@ -24,15 +24,13 @@ std::vector<HookSpec> make_hooks(
 
 /// One rigid patch per lip, side +1 first; the two face each other. They are named left_blade and right_blade, and do
 /// not move yet.
-/// @param hold in contact, the patches pass the whole wall; fixed, they end above the cavity where the wall is thinnest
 /// @param along_mm middle of the patches along the incision
 /// @param largest_depth_mm depth below the skin that the patches reach at most
 /// @throws InputError where the wall is too thin for a patch
-std::vector<HookSpec> make_blades(
-    const Approach& approach, HookHold hold, double along_mm, double width_mm, double largest_depth_mm);
+std::vector<HookSpec> make_blades(const Approach& approach, double along_mm, double width_mm, double largest_depth_mm);
 
 /// Depth below the skin at which a blade has passed the wall where it is thickest under the blade, mm: all bone beside
-/// the cut lies above it.
+/// the cut lies above it. Places where the cut ends within the wall do not count, unless it does everywhere.
 /// @param along_mm middle of the blade along the incision
 double depth_through_wall(const Approach& approach, double along_mm, double width_mm);
 

@@ -28,8 +28,8 @@ namespace {
         // Makers give many sizes under one name. These are middle sizes for adults. Blades of a closed spreader lie
         // against each other over their whole depth, so their play is small: a blade's slide has a gap of about 3
         // degrees, and an arm of steel, 100 mm long and 10 by 5 mm thick, twists by 2 under 200 N at 35 mm below it.
-        // The blades of a sternal spreader are shallow and twist their arms less. All come with deeper blades for thick
-        // walls: a blade that ends in the fat above the bone opens the skin only.
+        // The usual blades of a sternal spreader are shallow and twist their arms less. All come with deeper blades for
+        // thick walls: a blade that ends in the fat above the bone opens the skin only.
         static const std::array<RetractorKind, 3> kinds { {
             { .kind = "finochietto",
                 .meaning = "rib spreader: two broad blades on a rack, each turns about its arm",
@@ -40,7 +40,7 @@ namespace {
                 .greatest_opening_mm = 200.0,
                 .source = "ours" },
             { .kind = "sternal",
-                .meaning = "sternal spreader: two long, shallow blades, almost fixed to their arms",
+                .meaning = "sternal spreader: two long blades, almost fixed to their arms",
                 .blade_width_mm = 90.0,
                 .blade_depth_mm = 35.0,
                 .deepest_blade_mm = 80.0,
@@ -141,6 +141,17 @@ const RetractorKind& find_retractor(std::span<const RetractorKind> kinds, std::s
         { "retractor" });
 }
 
+namespace {
+
+    /// The usual blades of the kind, or deeper ones, as deep as the wall asks and the kind has them.
+    double blade_depth_for(const Approach& approach, const RetractorKind& kind, double along_mm)
+    {
+        return std::max(kind.blade_depth_mm,
+            std::min(depth_through_wall(approach, along_mm, kind.blade_width_mm), kind.deepest_blade_mm));
+    }
+
+} // namespace
+
 RetractorSpec make_retractor(const Approach& approach, const RetractorKind& kind, const RetractorDrive& drive)
 {
     const double along = 0.5 * incision_length(approach);
@@ -149,10 +160,19 @@ RetractorSpec make_retractor(const Approach& approach, const RetractorKind& kind
         .force_N = drive.force_N,
         .along_mm = along,
         .blade_width_mm = kind.blade_width_mm,
-        .blade_depth_mm = std::max(kind.blade_depth_mm,
-            std::min(depth_through_wall(approach, along, kind.blade_width_mm), kind.deepest_blade_mm)),
+        .blade_depth_mm = blade_depth_for(approach, kind, along),
         .play_deg = kind.play_deg,
         .greatest_opening_mm = kind.greatest_opening_mm };
+}
+
+void deepen_blades(Approach& approach)
+{
+    RETRACTOR_ASSERT(approach.retractor);
+    RetractorSpec& retractor = *approach.retractor;
+    const auto kind = std::ranges::find(table(), retractor.kind, &RetractorKind::kind);
+    if (kind != table().end())
+        retractor.blade_depth_mm
+            = std::max(retractor.blade_depth_mm, blade_depth_for(approach, *kind, retractor.along_mm));
 }
 
 void set_retractor(
@@ -188,6 +208,7 @@ Approach with_retractor_at(Approach approach, RetractorSpec cranked, const Vec3&
     cranked.along_mm = std::clamp(along, half, length - half);
     approach.hooks.clear();
     approach.retractor = std::move(cranked);
+    deepen_blades(approach);
     check_approach(approach);
     static_cast<void>(blades_of(approach)); // refuses a wall that is too thin
     return approach;
@@ -198,9 +219,11 @@ std::vector<HookSpec> blades_of(const Approach& approach)
     RETRACTOR_ASSERT(approach.retractor);
     const RetractorSpec& retractor = *approach.retractor;
     std::vector<HookSpec> blades
-        = make_blades(approach, retractor.hold, retractor.along_mm, retractor.blade_width_mm, retractor.blade_depth_mm);
-    for (HookSpec& blade : blades)
+        = make_blades(approach, retractor.along_mm, retractor.blade_width_mm, retractor.blade_depth_mm);
+    for (HookSpec& blade : blades) {
         blade.opening_mm = 0.5 * retractor.opening_mm;
+        blade.hold = retractor.hold;
+    }
     return blades;
 }
 

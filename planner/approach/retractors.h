@@ -46,9 +46,13 @@ struct RetractorDrive {
     std::optional<double> force_N {};
 };
 
-/// A retractor in the middle of the incision, with blades that pass the wall there: the usual blades, or deeper ones of
-/// the same kind where the wall is thicker.
+/// A retractor in the middle of the incision, with the usual blades, or deeper ones of the same kind where the wall is
+/// thicker than those are deep.
 RetractorSpec make_retractor(const Approach& approach, const RetractorKind& kind, const RetractorDrive& drive);
+
+/// Gives the retractor of an approach deeper blades of its kind where the wall is thicker than its blades are deep. A
+/// kind that is not in the table of this program keeps its blades. @pre approach.retractor
+void deepen_blades(Approach& approach);
 
 /// Gives an approach of the case a retractor in place of its hooks or retractor.
 /// @throws InputError as check_approach() and find_approach() do, and where the wall is too thin for the blades

@@ -108,7 +108,8 @@ namespace {
     /// A blade that holds only soft tissue pulls with little force, and leaves the bones where they are.
     void say_bearing(const FieldMetrics& field, Sentences& said)
     {
-        if (!field.retractor || field.bones.empty())
+        const bool no_bone_near = field.bones.empty() && field.bones_message.empty();
+        if (!field.retractor || no_bone_near)
             return;
         const auto on_soft = [](const HookForce& blade) { return blade.bears_on.empty(); };
         if (field.hooks.size() == 2 && std::ranges::all_of(field.hooks, on_soft))
@@ -201,6 +202,21 @@ ForceInterval force_interval(const FieldMetrics& field)
         above = std::hypot(above, std::max(0.0, field.parameters->force_high_N - force));
     }
     return { std::max(0.0, force - below), force + above };
+}
+
+const char* words_of(Light light)
+{
+    switch (light) {
+    case Light::clear:
+        return "No objection";
+    case Light::caution:
+        return "Caution";
+    case Light::injury:
+        return "Objection";
+    case Light::unknown:
+        break;
+    }
+    return "Not usable";
 }
 
 Verdict verdict_of(const FieldMetrics& field)

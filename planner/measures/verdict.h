@@ -20,6 +20,9 @@ enum class Light {
 /// "clear", "caution", "injury" or "unknown": the words of metrics.json.
 std::string_view to_string(Light light);
 
+/// "No objection", "Caution", "Objection" or "Not usable".
+const char* words_of(Light light);
+
 struct Verdict {
     Light light = Light::unknown;
     std::vector<std::string> sentences; ///< the worst first

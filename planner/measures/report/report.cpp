@@ -391,26 +391,11 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "</tbody></table>";
     }
 
-    const char* light_words(Light light)
-    {
-        switch (light) {
-        case Light::clear:
-            return "No objection.";
-        case Light::caution:
-            return "Caution.";
-        case Light::injury:
-            return "Objection.";
-        case Light::unknown:
-            break;
-        }
-        return "Not usable.";
-    }
-
     void write_field(std::ostream& out, const Report& report, const FieldMetrics& field)
     {
         out << "<h2>" << escaped(field.name) << "</h2>";
         const Verdict verdict = verdict_of(field);
-        out << "<p class=\"verdict " << to_string(verdict.light) << "\"><b>" << light_words(verdict.light) << "</b> ";
+        out << "<p class=\"verdict " << to_string(verdict.light) << "\"><b>" << words_of(verdict.light) << ".</b> ";
         for (const std::string& sentence : verdict.sentences)
             out << escaped(sentence) << ' ';
         out << "</p>";

@@ -77,9 +77,7 @@ namespace retractors_test {
             EXPECT_NEAR(blade.along_mm, 50.0, kRoundOff);
             EXPECT_EQ(blade.opening_mm, 30.0);
             EXPECT_EQ(blade.patch_width_mm, approach.retractor->blade_width_mm);
-            // From 2 mm below the skin to 2 mm below the wall of 30 mm.
-            EXPECT_NEAR(blade.depth_mm - 0.5 * blade.patch_height_mm, 2.0, kRoundOff);
-            EXPECT_NEAR(blade.depth_mm + 0.5 * blade.patch_height_mm, 32.0, kRoundOff);
+            EXPECT_NEAR(blade.patch_height_mm, 26.0, kRoundOff); // the wall of 30 mm, without 2 mm at either side
             EXPECT_LT((blade.direction - Vec3(-blade.side, 0.0, 0.0)).norm(), kRoundOff);
         }
         const fem::BladeFrame frame = blade_frame_of(approach);
@@ -102,17 +100,29 @@ namespace retractors_test {
         };
         EXPECT_EQ(depth_of(25.0), sternal.blade_depth_mm);
         // The blades are 90 mm wide on 100 mm: at their ends the wall is 95 % of the way to its thickest.
-        EXPECT_NEAR(depth_of(60.0), 20.0 + 0.95 * 40.0 + 2.0, kRoundOff);
+        EXPECT_NEAR(depth_of(60.0), 20.0 + 0.95 * 40.0, kRoundOff);
         EXPECT_EQ(depth_of(120.0), sternal.deepest_blade_mm);
+        // Where the cut ends within the wall, nothing is known of the wall's other side.
+        approach.wall_thickness_mm = { 20.0, 60.0 };
+        approach.depth_mm = 40.0;
+        EXPECT_NEAR(make_retractor(approach, sternal, {}).blade_depth_mm, 35.0, kRoundOff);
+        approach.wall_thickness_mm = { 60.0, 60.0 };
+        EXPECT_NEAR(make_retractor(approach, sternal, {}).blade_depth_mm, 40.0, kRoundOff) << "as deep as the cut";
     }
 
-    TEST(Retractors, FixedBladesEndAboveTheCavityWhereTheWallIsThinnest)
+    TEST(Retractors, OneThatIsMovedToAThickerWallGetsDeeperBlades)
     {
         Approach approach = with_retractor("midcab", { .opening_mm = 20.0 });
-        approach.retractor->hold = HookHold::fixed;
-        approach.wall_thickness_mm = { 30.0, 40.0 };
-        for (const HookSpec& blade : blades_of(approach))
-            EXPECT_NEAR(blade.patch_height_mm, 33.5 - 4.0, kRoundOff); // 30 mm wide, from 35 of 100 mm on
+        const double usual = approach.retractor->blade_depth_mm;
+        deepen_blades(approach);
+        EXPECT_EQ(approach.retractor->blade_depth_mm, usual);
+        approach.wall_thickness_mm = { 60.0, 60.0 };
+        approach.depth_mm = 70.0;
+        EXPECT_NEAR(with_retractor_at(approach, *approach.retractor, Vec3(0.0, 50.0, 0.0)).retractor->blade_depth_mm,
+            60.0, kRoundOff);
+        approach.retractor->kind = "mine";
+        deepen_blades(approach);
+        EXPECT_EQ(approach.retractor->blade_depth_mm, usual) << "how deep its blades are made is not known";
     }
 
     TEST(Retractors, AShortBladeHoldsTheTissueBelowTheSkin)

@@ -119,7 +119,9 @@ namespace {
             const double width = alone ? settings_.width : 0.5 * settings_.width;
             Scene& first = scenes.front();
             if (alone)
-                first.title = said(language_, step.title);
+                first.title = step.title;
+            for (Scene& scene : scenes)
+                say_texts(scene, language_);
             first.notes = in_lines(
                 said(language_, step.text), static_cast<std::size_t>(kLettersPerLine * width / settings_.height));
             renderer_.show({ .width = settings_.width,
@@ -268,7 +270,6 @@ bool play_plans(planner::Patient& patient, const MovieContent& content, const Mo
     }
     const std::vector<planner::PresentationStep> steps
         = planner::presentation_of(planned_case, known, decisions_of(planned_case));
-    renderer.set_language(content.language);
     Player player(patient, settings, content.language, renderer, sink, job);
     player.expect(static_cast<int>(steps.size()));
     for (const planner::PresentationStep& step : steps) {

@@ -3836,8 +3836,8 @@
         <translation>開胸器：ラックに幅広のブレード二枚、それぞれがアームのまわりに回る</translation>
     </message>
     <message>
-        <source>sternal spreader: two long, shallow blades, almost fixed to their arms</source>
-        <translation>胸骨開創器：長く浅いブレード二枚、アームにほぼ固定</translation>
+        <source>sternal spreader: two long blades, almost fixed to their arms</source>
+        <translation>胸骨開創器：長いブレード二枚、アームにほぼ固定</translation>
     </message>
     <message>
         <source>retractor for small incisions (MIDCAB, mitral valve): two small blades</source>
@@ -6220,22 +6220,6 @@
         <translation>%1：せん断弾性率 %2 kPa、小ひずみ（エラストグラフィ）</translation>
     </message>
     <message>
-        <source>No objection.</source>
-        <translation>異議なし。</translation>
-    </message>
-    <message>
-        <source>Caution.</source>
-        <translation>注意。</translation>
-    </message>
-    <message>
-        <source>Objection.</source>
-        <translation>異議あり。</translation>
-    </message>
-    <message>
-        <source>Not usable.</source>
-        <translation>使えません。</translation>
-    </message>
-    <message>
         <source>%1 mm and more</source>
         <translation>%1 mm 以上</translation>
     </message>
@@ -6325,7 +6309,7 @@
     </message>
     <message>
         <source>%1 and %2 more</source>
-        <translation>%1とほか %2 本</translation>
+        <translation>%1とほか %2</translation>
     </message>
     <message>
         <source>along the incision: a flat section; the cut curves up to %1 mm out of it</source>
@@ -6430,6 +6414,50 @@
     <message>
         <source>coronary target</source>
         <translation>冠動脈の標的</translation>
+    </message>
+    <message>
+        <source>gape</source>
+        <translation>創の開き</translation>
+    </message>
+    <message>
+        <source>estimate condensed region</source>
+        <translation>縮約領域の誤差</translation>
+    </message>
+    <message>
+        <source>compare with nonlinear wall</source>
+        <translation>非線形の壁との比較</translation>
+    </message>
+    <message>
+        <source>score by rays, before planning, of an incision whose middle is there</source>
+        <translation>そこを中央とする切開の、計画前の光線による点数</translation>
+    </message>
+    <message>
+        <source>shows too little for a proposal</source>
+        <translation>見える割合が提案には小さすぎる</translation>
+    </message>
+    <message>
+        <source>too near a structure at risk</source>
+        <translation>危険構造に近すぎる</translation>
+    </message>
+    <message>
+        <source>not tried</source>
+        <translation>試していない</translation>
+    </message>
+    <message>
+        <source>no incision could be proposed</source>
+        <translation>提案できる切開はありません</translation>
+    </message>
+    <message>
+        <source>from the patient's right</source>
+        <translation>患者の右から</translation>
+    </message>
+    <message>
+        <source>from the patient's left</source>
+        <translation>患者の左から</translation>
+    </message>
+    <message>
+        <source>from behind</source>
+        <translation>背中側から</translation>
     </message>
 </context>
 </TS>

@@ -93,10 +93,11 @@ namespace {
         return std::nullopt;
     }
 
-    /// "27 to 33 mm", "3 of 4". @returns nothing where the text is not two such numbers
+    /// "27 to 33 mm", "3 of 4". @returns nothing where the text is not two such numbers, or their unit is a word
     std::optional<QString> translated_numbers(const QString& english)
     {
-        static const QRegularExpression two_numbers("^(-?[0-9][0-9.,]*) (to|of) (-?[0-9][0-9.,]*)( [A-Za-z%/0-9]+)?$");
+        static const QRegularExpression two_numbers(
+            "^(-?[0-9][0-9.,]*) (to|of) (-?[0-9][0-9.,]*)( (?:mm|cm|cm2|N|N m|kPa|MPa|GPa|s|%))?$");
         const QRegularExpressionMatch match = two_numbers.match(english);
         if (!match.hasMatch())
             return std::nullopt;
@@ -104,39 +105,45 @@ namespace {
         return match.captured(1) + between + match.captured(3) + match.captured(4);
     }
 
-    /// The parts of "skin, fat and bone".
-    QStringList parts_of_list(const Phrasebook& book, const QString& english)
+    /// The translation of a part of a list: a name with or without a number. @returns nothing where it is not known
+    std::optional<QString> translated_part(const Phrasebook& book, const QString& english)
     {
-        static const QString last_between(" and ");
-        QStringList parts = english.split(", ");
-        if (const int at = parts.back().lastIndexOf(last_between); at > 0 && !book.phrases.contains(parts.back())) {
-            const QString last = parts.back().mid(at + last_between.size());
-            parts.back().truncate(at);
-            parts += last;
-        }
-        return parts;
+        static const QRegularExpression number("(?: -?[0-9.]+ (?:mm|%|s)| \\([0-9.]+ %\\))$");
+        const QString behind = number.match(english).captured();
+        const QString name = english.left(english.size() - behind.size()).replace('_', ' ');
+        if (name.count(kWord) > kMostWordsOfAName || name.contains('%'))
+            return std::nullopt;
+        const std::optional<QString> said = translated_name(book, name);
+        return said ? std::optional(*said + behind) : std::nullopt;
     }
 
     /// A list of names, each with a number or not: "heart 16.7 mm, aorta 18.7 mm", "skin (7 %) and fat (3 %)".
     /// @returns nothing where one of them is not known
     std::optional<QString> translated_list(const Phrasebook& book, const QString& english)
     {
-        static const QRegularExpression number("(?: -?[0-9.]+ (?:mm|%|s)| \\([0-9.]+ %\\))$");
+        static const QString last_between(" and ");
         if (english.contains("; ") || english.contains(". "))
             return std::nullopt;
-        QStringList said;
-        for (QString part : parts_of_list(book, english)) {
-            const QRegularExpressionMatch match = number.match(part);
-            const QString behind = match.captured();
-            part = part.left(part.size() - behind.size()).replace('_', ' ');
-            if (part == english || part.count(kWord) > kMostWordsOfAName || part.contains('%'))
-                return std::nullopt;
-            const std::optional<QString> name = translated_name(book, part);
-            if (!name)
-                return std::nullopt;
-            said += *name + behind;
+        QStringList parts = english.split(", "), said;
+        if (parts.size() > 1 || english.contains(QRegularExpression("[0-9_]")) || english.contains(last_between)) {
+            const QString last = parts.takeLast();
+            for (const QString& part : parts) {
+                const std::optional<QString> one = translated_part(book, part);
+                if (!one)
+                    return std::nullopt;
+                said += *one;
+            }
+            std::optional<QString> end = translated_part(book, last);
+            for (int at = last.indexOf(last_between); at > 0 && !end; at = last.indexOf(last_between, at + 1)) {
+                const auto before = translated_part(book, last.left(at)),
+                           behind = translated_part(book, last.mid(at + last_between.size()));
+                if (before && behind)
+                    end = *before + QString::fromUtf8("\u3001") + *behind;
+            }
+            if (end)
+                return (said << *end).join(QString::fromUtf8("\u3001"));
         }
-        return said.join(QString::fromUtf8("\u3001"));
+        return std::nullopt;
     }
 
     /// A phrase whose places hold several clauses, as reasons do that are joined.

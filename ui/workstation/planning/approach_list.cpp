@@ -8,6 +8,7 @@
 #include <QSignalBlocker>
 #include <QStyledItemDelegate>
 #include <QTextLayout>
+#include <QTextOption>
 
 namespace retractor::ui {
 
@@ -30,6 +31,9 @@ namespace {
     QStringList name_lines(const QString& name, const QFont& font, int width)
     {
         QTextLayout layout(name, font);
+        QTextOption option;
+        option.setWrapMode(QTextOption::WrapAtWordBoundaryOrAnywhere); // a long word alone is broken
+        layout.setTextOption(option);
         layout.beginLayout();
         QStringList lines;
         for (QTextLine line = layout.createLine(); line.isValid(); line = layout.createLine()) {

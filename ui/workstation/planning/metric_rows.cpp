@@ -371,17 +371,18 @@ std::string field_summary(const planner::FieldMetrics& field)
 
 LightLook light_look(planner::Light light)
 {
+    const char* const words = planner::words_of(light);
     switch (light) {
     case planner::Light::clear:
-        return { "#3fa7a0", "No objection" };
+        return { "#3fa7a0", words };
     case planner::Light::caution:
-        return { "#e6b422", "Caution" };
+        return { "#e6b422", words };
     case planner::Light::injury:
-        return { "#d1495b", "Objection" };
+        return { "#d1495b", words };
     case planner::Light::unknown:
         break;
     }
-    return { "#8b949c", "Not usable" };
+    return { "#8b949c", words };
 }
 
 std::string approach_summary(const planner::Approach& approach)

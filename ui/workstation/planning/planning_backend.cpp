@@ -204,7 +204,7 @@ namespace {
     }
 
     /// The skin in the colours of the scores, with the best proposals.
-    Image map_of(planner::Patient& patient, const FoundProposals& found)
+    Image map_of(planner::Patient& patient, const FoundProposals& found, const TextLanguage& language)
     {
         constexpr int kWidth = 2000, kHeight = 1000; // as retractor search: the legend needs the room
         std::vector<MappedIncision> incisions;
@@ -213,11 +213,12 @@ namespace {
                 .words = planned.proposal.words,
                 .points = planned.proposal.approach.incision });
         OffscreenRenderer renderer(make_offscreen_context());
+        renderer.set_language(language);
         return renderer.render(search_map(patient, found.rays, incisions, kWidth, kHeight));
     }
 
     FoundProposals found_proposals(planner::Patient& patient, const planner::Case& planned_case,
-        const planner::SearchRequest& request, const Job& job)
+        const planner::SearchRequest& request, const TextLanguage& language, const Job& job)
     {
         constexpr std::size_t kDrafts = 5;
         FoundProposals found { .rays = planner::search_incisions(patient, request, job) };
@@ -231,7 +232,7 @@ namespace {
         if (found.drafts.status != planner::SearchStatus::done)
             return found;
         try {
-            found.map = map_of(patient, found);
+            found.map = map_of(patient, found, language);
         } catch (const Error& error) { // the proposals are there all the same
             found.refused.push_back(std::string("the map could not be drawn: ") + error.what());
         }
@@ -300,7 +301,7 @@ std::optional<planner::PlannedForce> planned_force(const planner::FieldMetrics& 
         .bar_N = field.error->hook_force_N };
 }
 
-PlanningBackend make_planning_backend(const planner::Case& planned_case)
+PlanningBackend make_planning_backend(const planner::Case& planned_case, const TextLanguage& language)
 {
     const auto patient = std::make_shared<planner::Patient>(planned_case);
     const auto pointer = std::make_shared<SkinPointer>();
@@ -333,9 +334,8 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
     };
     backend.neighbours
         = [patient](const planner::Approach& approach) { return planner::neighbours_of(*patient, approach); };
-    backend.search = [patient](const planner::Case& present, const planner::SearchRequest& request, const Job& job) {
-        return found_proposals(*patient, present, request, job);
-    };
+    backend.search = [patient, language](const planner::Case& present, const planner::SearchRequest& request,
+                         const Job& job) { return found_proposals(*patient, present, request, language, job); };
     if (patient->has_ct())
         backend.labels = [patient] { return patient->labels(); };
     backend.surgery_input = [patient](const planner::Approach& approach, const Job& job) {

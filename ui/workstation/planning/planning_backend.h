@@ -95,6 +95,7 @@ struct PlanningBackend {
 std::optional<planner::PlannedForce> planned_force(const planner::FieldMetrics& field);
 
 /// The real planner. The backend reads data on first use and keeps them.
-PlanningBackend make_planning_backend(const planner::Case& planned_case);
+/// @param language of the texts in the map of a search
+PlanningBackend make_planning_backend(const planner::Case& planned_case, const TextLanguage& language = {});
 
 } // namespace retractor::ui

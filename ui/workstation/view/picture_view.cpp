@@ -531,6 +531,25 @@ bool PictureView::drag_handle(const QMouseEvent& event)
 
 bool PictureView::event(QEvent* event)
 {
+    const bool of_mouse = event->type() == QEvent::MouseButtonPress || event->type() == QEvent::MouseMove
+        || event->type() == QEvent::MouseButtonRelease || event->type() == QEvent::MouseButtonDblClick;
+    if (!of_mouse || drawn_stereo() != Stereo::side_by_side)
+        return take_event(event);
+    // Each half shows the whole picture at half its width. A drag stays in the half in which it began.
+    const auto& mouse = *static_cast<QMouseEvent*>(event);
+    const double half_width = 0.5 * width();
+    if (event->type() != QEvent::MouseButtonRelease && (mouse.buttons() & ~mouse.button()) == Qt::NoButton)
+        half_ = mouse.localPos().x() < half_width ? 0 : 1;
+    const QPointF place(2.0 * (mouse.localPos().x() - half_ * half_width), mouse.localPos().y());
+    QMouseEvent in_one_eye(
+        mouse.type(), place, mouse.windowPos(), mouse.screenPos(), mouse.button(), mouse.buttons(), mouse.modifiers());
+    const bool taken = take_event(&in_one_eye);
+    event->setAccepted(in_one_eye.isAccepted());
+    return taken;
+}
+
+bool PictureView::take_event(QEvent* event)
+{
     switch (event->type()) {
     case QEvent::MouseButtonDblClick:
         if (const auto& click = *static_cast<QMouseEvent*>(event); tool_ == nullptr && on_double_click

@@ -82,8 +82,8 @@ public:
     void set_layout(SceneLayout layout);
     SceneLayout layout_of_scenes() const { return layout_; }
 
-    /// Shows scenes in space to two eyes, through red and cyan glasses; not beside slices, whose greys would suffer.
-    /// Pictures that are saved are for one eye.
+    /// Shows scenes in space to two eyes; not beside slices, whose greys would suffer. In side by side the mouse means
+    /// the same in both halves. Pictures that are saved are for one eye.
     void set_stereo(Stereo stereo);
 
     /// Whether all scenes in space move alike when the mouse moves one of them.
@@ -172,6 +172,7 @@ public:
 
 protected:
     bool event(QEvent* event) override;
+    bool take_event(QEvent* event); ///< with the mouse in the picture of one eye
     void initializeGL() override;
     void paintGL() override;
     void resizeEvent(QResizeEvent* event) override;
@@ -249,6 +250,7 @@ private:
     bool coarse_ = false;
     bool linked_ = false;
     Stereo stereo_ = Stereo::off; ///< wanted
+    int half_ = 0; ///< of a picture side by side: the one in which a button is pressed
     SceneLayout layout_ = SceneLayout::grid;
     std::vector<Camera> drawn_cameras_; ///< of the last picture
     bool ready_ = false; ///< there is an OpenGL context

@@ -56,6 +56,28 @@ namespace verdict_test {
         EXPECT_EQ(verdict.sentences.size(), 3U);
     }
 
+    TEST(Verdict, BladesThatBearOnNoBoneAreACaution)
+    {
+        FieldMetrics field = good_field();
+        field.retractor.emplace();
+        field.hooks.resize(2);
+        field.hooks[0].name = "left_blade";
+        field.hooks[1].name = "right_blade";
+        const std::string both = "The blades bear on soft tissue only, on no bone.";
+        EXPECT_FALSE(says(verdict_of(field), both)) << "an abdomen has no bone to bear on";
+        field.bones.resize(1);
+        EXPECT_TRUE(says(verdict_of(field), both));
+        EXPECT_EQ(verdict_of(field).light, Light::caution);
+        field.hooks[1].bears_on = { "rib_left_4" };
+        EXPECT_FALSE(says(verdict_of(field), both));
+        EXPECT_TRUE(says(verdict_of(field), "The left blade bears on soft tissue only, on no bone."));
+        field.hooks[0].bears_on = { "rib_left_5" };
+        EXPECT_EQ(verdict_of(field).light, Light::clear);
+        field.hooks[0].bears_on.clear();
+        field.retractor.reset();
+        EXPECT_EQ(verdict_of(field).light, Light::clear) << "hooks are small: they often hold soft tissue";
+    }
+
     TEST(Verdict, ALungThatWouldHideMostIsACaution)
     {
         FieldMetrics field = good_field();

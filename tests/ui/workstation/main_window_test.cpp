@@ -876,7 +876,7 @@ namespace main_window_test {
         planner::add_approach(planned_case, approach);
         planner::write_case(planned_case);
 
-        MainWindow window([](const planner::Case& planned_case) { return make_planning_backend(planned_case); });
+        MainWindow window([](const planner::Case& one) { return make_planning_backend(one); });
         std::optional<ShownWound> wound;
         window.on_palpable_wound = [&](ShownWound made) { wound = std::move(made); };
         test_support::show_window(window);

@@ -818,7 +818,7 @@ namespace knife_window_test {
         planner::Case planned_case = block_on_disk("rim_case", { 200.0, 80.0, 160.0 }, 6.0);
         const double skin = planned_case.approaches.front().incision.front().y();
 
-        MainWindow window([](const planner::Case& planned_case) { return make_planning_backend(planned_case); });
+        MainWindow window([](const planner::Case& one) { return make_planning_backend(one); });
         test_support::show_window(window);
         window.open(std::move(planned_case));
         const auto wait = [&] { retractor::test_support::wait_until_idle(window); };

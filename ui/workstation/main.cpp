@@ -279,8 +279,7 @@ int run_palpation(planner::Palpable palpable, const std::optional<ShownHands>& h
 
 int run_planning(std::optional<planner::Case> planned_case, const Options& options)
 {
-    MainWindow window(
-        [](const planner::Case& planned_case) { return make_planning_backend(planned_case, picture_language()); });
+    MainWindow window([](const planner::Case& opened) { return make_planning_backend(opened, picture_language()); });
     window.on_palpation_scene = [](const std::filesystem::path& file) { new_palpation().open_file(file); };
     window.on_palpable
         = [](planner::Palpable made) { new_palpation().open(std::move(made.scene), {}, std::move(made.notes)); };

@@ -29,8 +29,8 @@ namespace close_slits_test {
 
     bool within_10_mm(const Vec3& p) { return (p - kMiddle).norm() < 10.0; }
 
-    /// Elements round an edge like slices of an orange, of which some are left out; each is 360 / slices degrees wide.
-    LocalMesh orange(int slices, int left_out)
+    /// Elements round an edge like slices of an orange, of which the first are missing; each is 360 / slices degrees wide.
+    LocalMesh orange(int slices, int missing)
     {
         LocalMesh mesh;
         mesh.vertices = { kMiddle - Vec3(0.0, 0.0, 6.0), kMiddle + Vec3(0.0, 0.0, 6.0) };
@@ -38,7 +38,7 @@ namespace close_slits_test {
             const double angle = 2.0 * std::numbers::pi * n / slices;
             mesh.vertices.push_back(kMiddle + 6.0 * Vec3(std::cos(angle), std::sin(angle), 0.0));
         }
-        for (int n = left_out; n < slices; ++n) {
+        for (int n = missing; n < slices; ++n) {
             std::array<VertexId, 4> tet { 0, 1, 2 + n, 2 + (n + 1) % slices };
             if (tet_volume(mesh.vertices[0], mesh.vertices[1], mesh.vertices[static_cast<std::size_t>(tet[2])],
                     mesh.vertices[static_cast<std::size_t>(tet[3])])

@@ -4,7 +4,6 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/generation/cell_labels.h"
-#include "mesh/generation/close_slits.h"
 #include "mesh/generation/delaunay_mesher.h"
 #include "mesh/generation/mesh_forecast.h"
 #include "mesh/generation/mesh_polish.h"
@@ -70,7 +69,7 @@ namespace {
     }
 
     // Degrees. Exudation leaves one element in a hundred below 12. The fit of interfaces may flatten elements to this
-    // angle, and the raising of pits and the closing of slits to the third; elements below are opened again afterwards.
+    // angle, and the raising of pits to the third; elements below are opened again afterwards.
     constexpr double kPolishAngle = 11.0;
     constexpr double kFlattestAngle = 9.0;
     constexpr double kRaisedAngle = 4.0;
@@ -244,8 +243,6 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
     const Stopwatch polishing;
     open_flat_tets(local, field, kPolishAngle, job);
     raise_pits(local, field, kRaisedAngle, job);
-    close_slits(local, field, kRaisedAngle, job);
-    trim_fins(local, field, job);
     fit_interfaces(local, field, kPolishAngle, job);
     open_flat_tets(local, field, kFlattestAngle, job);
     local.optimise_seconds += polishing.seconds();

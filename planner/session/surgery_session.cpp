@@ -1136,22 +1136,47 @@ KnifeAnswer SurgerySession::place_retractor(const Touch& at, const RetractorKind
     return hook_step("setting the retractor", {}, [&] { return attach_retractor(at, kind); });
 }
 
+namespace {
+
+    /// The blades of a retractor that is set by hand.
+    struct PlacedBlades {
+        std::array<HookPlacement, 2> blades; ///< without nodes where there is no lip
+        bool on_bone = false; ///< one of them bears on bone
+        bool held = false; ///< something holds one of the lips there already
+    };
+
+} // namespace
+
 KnifeAnswer SurgerySession::attach_retractor(const Touch& at, const RetractorKind& kind)
 {
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
     std::string why_not;
-    std::array<HookPlacement, 2> blades = find_blade_placements(*picture()->surface, lip_triangles(session_), held_,
-        outward_, at, kind.blade_width_mm, kind.deepest_blade_mm, why_not);
+    const auto placed = [&](double depth_mm, std::string& reason) {
+        PlacedBlades found { .blades = find_blade_placements(*picture()->surface, lip_triangles(session_), held_,
+                                 outward_, at, kind.blade_width_mm, depth_mm, reason) };
+        for (HookPlacement& blade : found.blades)
+            if (!blade.nodes.empty()) {
+                found.held = found.held || is_held(blade);
+                found.on_bone = bear_on_bone(blade, session_, skeleton_) || found.on_bone;
+            }
+        return found;
+    };
+    PlacedBlades set = placed(kind.blade_depth_mm, why_not);
+    if (!set.on_bone && kind.deepest_blade_mm > kind.blade_depth_mm) { // the wall may be thicker than the blades
+        std::string ignored;
+        if (PlacedBlades deeper = placed(kind.deepest_blade_mm, ignored); deeper.on_bone)
+            set = std::move(deeper);
+    }
+    std::array<HookPlacement, 2>& blades = set.blades;
     if (blades[0].nodes.empty())
         return { false, why_not };
-    if (is_held(blades[0]) || is_held(blades[1]))
+    if (set.held)
         return { false, kHeldAlready };
     const std::string number = retractors_placed_ == 0 ? std::string {} : " " + std::to_string(retractors_placed_ + 1);
     std::vector<std::string> names;
     std::vector<fem::HookDrive> drives;
     for (HookPlacement& blade : blades) {
-        bear_on_bone(blade, session_, skeleton_);
         names.push_back(blade_name(blade.pull) + number);
         drives.push_back({ .displacement = present_place(blade) });
     }

@@ -64,7 +64,7 @@ namespace {
 
 } // namespace
 
-void bear_on_bone(HookPlacement& placement, const mesh::CutSession& session, std::span<const Label> skeleton)
+bool bear_on_bone(HookPlacement& placement, const mesh::CutSession& session, std::span<const Label> skeleton)
 {
     RETRACTOR_ASSERT(!placement.nodes.empty());
     double lip_mm = 0.0, depth = 0.0;
@@ -80,7 +80,7 @@ void bear_on_bone(HookPlacement& placement, const mesh::CutSession& session, std
     placement.lever_mm = std::clamp(depth, 0.0, kLongestLever * placement.reach_mm);
     const std::vector<BladePlace> bone = bone_before(placement, session, skeleton);
     if (bone.empty())
-        return;
+        return false;
     const double nearest = std::ranges::min_element(bone, {}, &BladePlace::behind)->behind;
     double sum = 0.0, weights = 0.0;
     for (const BladePlace& place : bone) {
@@ -95,6 +95,7 @@ void bear_on_bone(HookPlacement& placement, const mesh::CutSession& session, std
             at_level.push_back(v);
     if (at_level.size() >= kFewestNodes)
         placement.nodes = std::move(at_level);
+    return true;
 }
 
 double blade_turn(const HookPlacement& blade, double opening_mm, double play_rad)

@@ -18,7 +18,8 @@ namespace retractor::planner {
 /// puts the arm over the lip, and makes the blade no deeper than the lip: a surgeon takes a blade that fits the wall.
 /// @param placement with nodes and an arm
 /// @param skeleton labels of bone and cartilage
-void bear_on_bone(HookPlacement& placement, const mesh::CutSession& session, std::span<const Label> skeleton);
+/// @return whether the blade bears on bone
+bool bear_on_bone(HookPlacement& placement, const mesh::CutSession& session, std::span<const Label> skeleton);
 
 /// The turn of a blade when the arms are this far apart: `play_rad`, or less where the blades' ends would meet.
 double blade_turn(const HookPlacement& blade, double opening_mm, double play_rad);

@@ -601,6 +601,19 @@ namespace wound_hooks_test {
         EXPECT_THROW(live_session.crank(report.hooks[0].id, std::numeric_limits<double>::quiet_NaN()), InputError);
     }
 
+    TEST(WoundHooks, DeeperBladesAreTakenOnlyToReachBone)
+    {
+        const auto reach = [](double deepest_mm) {
+            SurgerySession live_session(layered_wall()); // without bone
+            EXPECT_TRUE(draw(live_session, { 30.0, 0.0, 45.0 }, { 90.0, 0.0, 45.0 }).done);
+            RetractorKind kind = small_retractor();
+            kind.deepest_blade_mm = deepest_mm;
+            EXPECT_TRUE(live_session.place_retractor(at(live_session, 60.0, 48.0), kind).done);
+            return live_session.hooks().hooks.at(0).placement.reach_mm;
+        };
+        EXPECT_EQ(reach(24.0), reach(12.0));
+    }
+
     TEST(WoundHooks, ABladeThatIsDraggedCranksAndTakenOffTakesTheOtherWithIt)
     {
         SurgerySession live_session = wound_with_retractor();

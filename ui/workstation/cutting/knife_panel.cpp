@@ -569,7 +569,7 @@ void KnifePanel::plan_chosen_retractor()
     Vec3 between = Vec3::Zero();
     for (const planner::HookState& hook : report_.hooks)
         if (std::ranges::find(retractor->blades, hook.id) != retractor->blades.end())
-            between += 0.5 * (hook.placement.centre - 0.5 * hook.placement.height_mm * hook.placement.inward);
+            between += 0.5 * hook.placement.arm;
     on_plan_retractor(*retractor, between);
 }
 

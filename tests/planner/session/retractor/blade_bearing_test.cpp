@@ -51,7 +51,7 @@ namespace blade_bearing_test {
         for (const double from : { 6.0, 14.0, 18.0 }) {
             const mesh::CutSession session = block(from, from + 8.0);
             HookPlacement placement = blade(session);
-            bear_on_bone(placement, session, std::vector { kBone });
+            EXPECT_TRUE(bear_on_bone(placement, session, std::vector { kBone }));
             EXPECT_NEAR(placement.lever_mm, from + 4.0, 0.5 * kEdgeMm);
             EXPECT_NEAR(placement.reach_mm, 30.0, kRoundOff);
             ASSERT_GE(placement.nodes.size(), 3U);
@@ -89,7 +89,7 @@ namespace blade_bearing_test {
             if (const Vec3 p = session.position(v);
                 p.x() == 20.0 && std::abs(p.y() - 30.0) <= 20.0 && p.z() <= 18.0) // the upper half of the lip
                 placement.nodes.push_back(v);
-        bear_on_bone(placement, session, std::vector { kBone });
+        EXPECT_TRUE(bear_on_bone(placement, session, std::vector { kBone }));
         EXPECT_NEAR(placement.lever_mm, 10.0, 0.5 * kEdgeMm);
         EXPECT_NEAR(placement.arm.x(), 20.0, kRoundOff) << "over its lip";
         EXPECT_NEAR(placement.height_mm, 18.0, kRoundOff) << "no deeper than its lip";
@@ -100,12 +100,12 @@ namespace blade_bearing_test {
         const mesh::CutSession soft = block(1.0, 0.0);
         HookPlacement placement = blade(soft);
         const std::size_t all = placement.nodes.size();
-        bear_on_bone(placement, soft, std::vector { kBone });
+        EXPECT_FALSE(bear_on_bone(placement, soft, std::vector { kBone }));
         EXPECT_EQ(placement.nodes.size(), all);
         EXPECT_NEAR(placement.lever_mm, 15.0, kRoundOff);
         const mesh::CutSession bone_below = block(32.0, 40.0); // deeper than the blade
         placement = blade(bone_below);
-        bear_on_bone(placement, bone_below, std::vector { kBone });
+        EXPECT_FALSE(bear_on_bone(placement, bone_below, std::vector { kBone }));
         EXPECT_EQ(placement.nodes.size(), all);
     }
 

@@ -97,7 +97,9 @@ namespace {
         if (!approach.ablations.empty() || approach.loose_pieces != planner::LoosePieces::held)
             text += "  loose pieces are " + std::string(to_string(approach.loose_pieces)) + "\n";
         if (approach.retractor)
-            text += "  opened by a retractor: " + planner::retractor_text(*approach.retractor) + "\n";
+            text += "  opened by a retractor: " + planner::retractor_text(*approach.retractor) + ", blades of "
+                + in_words(approach.retractor->blade_width_mm) + " x " + in_words(approach.retractor->blade_depth_mm)
+                + " mm\n";
         if (approach.opening_protocol)
             text += "  opened by " + planner::opening_protocol_text(*approach.opening_protocol) + "\n";
         return text;

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -28,6 +29,18 @@ namespace {
         return tangent.cross(incision_place(approach, along).of(approach.directions)).normalized();
     }
 
+    /// Places of the incision over a patch, evenly from one of its ends to the other.
+    std::array<IncisionPlace, 5> places_over(const Approach& approach, double along_mm, double width_mm)
+    {
+        std::array<IncisionPlace, 5> places {};
+        const double length = incision_length(approach);
+        for (std::size_t n = 0; n < places.size(); ++n) {
+            const double share = static_cast<double>(n) / static_cast<double>(places.size() - 1) - 0.5;
+            places[n] = incision_place(approach, std::clamp(along_mm + width_mm * share, 0.0, length));
+        }
+        return places;
+    }
+
     /// Fits a hook to the thinnest wall and the mean hold depth under its patch.
     /// @param largest_depth_mm depth below the skin that the hook reaches at most
     void fit_depth(
@@ -35,15 +48,12 @@ namespace {
     {
         double wall = approach.depth_mm;
         double hold = 0.0;
-        constexpr int kSamples = 5;
-        const double length = incision_length(approach);
-        for (int n = 0; n < kSamples; ++n) {
-            const double along = hook.along_mm + hook.patch_width_mm * (static_cast<double>(n) / (kSamples - 1) - 0.5);
-            const IncisionPlace place = incision_place(approach, std::clamp(along, 0.0, length));
+        const auto places = places_over(approach, hook.along_mm, hook.patch_width_mm);
+        for (const IncisionPlace& place : places) {
             if (!approach.wall_thickness_mm.empty())
                 wall = std::min(wall, place.of(approach.wall_thickness_mm));
             hold += (approach.hook_depth_mm.empty() ? 0.5 * approach.depth_mm : place.of(approach.hook_depth_mm))
-                / kSamples;
+                / static_cast<double>(places.size());
         }
         const double room = wall - 2.0 * kRimMm;
         if (!(room > kRimMm))
@@ -129,15 +139,11 @@ std::vector<HookSpec> make_blades(const Approach& approach, double along_mm, dou
 
 double depth_through_wall(const Approach& approach, double along_mm, double width_mm)
 {
-    constexpr int kSamples = 5;
-    const double length = incision_length(approach);
     double thickest = 0.0;
-    for (int n = 0; n < kSamples && !approach.wall_thickness_mm.empty(); ++n) {
-        const double along = along_mm + width_mm * (static_cast<double>(n) / (kSamples - 1) - 0.5);
-        const double wall = incision_place(approach, std::clamp(along, 0.0, length)).of(approach.wall_thickness_mm);
-        if (wall < approach.depth_mm)
-            thickest = std::max(thickest, wall);
-    }
+    if (!approach.wall_thickness_mm.empty())
+        for (const IncisionPlace& place : places_over(approach, along_mm, width_mm))
+            if (const double wall = place.of(approach.wall_thickness_mm); wall < approach.depth_mm)
+                thickest = std::max(thickest, wall);
     return thickest > 0.0 ? thickest : approach.depth_mm;
 }
 

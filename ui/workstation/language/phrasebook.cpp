@@ -122,28 +122,27 @@ namespace {
     std::optional<QString> translated_list(const Phrasebook& book, const QString& english)
     {
         static const QString last_between(" and ");
-        if (english.contains("; ") || english.contains(". "))
-            return std::nullopt;
+        static const QRegularExpression number_or_id("[0-9_]");
         QStringList parts = english.split(", "), said;
-        if (parts.size() > 1 || english.contains(QRegularExpression("[0-9_]")) || english.contains(last_between)) {
-            const QString last = parts.takeLast();
-            for (const QString& part : parts) {
-                const std::optional<QString> one = translated_part(book, part);
-                if (!one)
-                    return std::nullopt;
-                said += *one;
-            }
-            std::optional<QString> end = translated_part(book, last);
-            for (int at = last.indexOf(last_between); at > 0 && !end; at = last.indexOf(last_between, at + 1)) {
-                const auto before = translated_part(book, last.left(at)),
-                           behind = translated_part(book, last.mid(at + last_between.size()));
-                if (before && behind)
-                    end = *before + QString::fromUtf8("\u3001") + *behind;
-            }
-            if (end)
-                return (said << *end).join(QString::fromUtf8("\u3001"));
+        const bool is_one_name
+            = parts.size() == 1 && !english.contains(number_or_id) && !english.contains(last_between);
+        if (is_one_name || english.contains("; ") || english.contains(". "))
+            return std::nullopt;
+        const QString last = parts.takeLast();
+        for (const QString& part : parts) {
+            const std::optional<QString> one = translated_part(book, part);
+            if (!one)
+                return std::nullopt;
+            said += *one;
         }
-        return std::nullopt;
+        std::optional<QString> end = translated_part(book, last);
+        for (int at = last.indexOf(last_between); at > 0 && !end; at = last.indexOf(last_between, at + 1)) {
+            const auto before = translated_part(book, last.left(at)),
+                       behind = translated_part(book, last.mid(at + last_between.size()));
+            if (before && behind)
+                end = *before + QString::fromUtf8("\u3001") + *behind;
+        }
+        return end ? std::optional((said << *end).join(QString::fromUtf8("\u3001"))) : std::nullopt;
     }
 
     /// A phrase whose places hold several clauses, as reasons do that are joined.

@@ -315,7 +315,9 @@ PatchPlace patch_place(const Approach& approach, const HookSpec& hook)
     const IncisionPlace place = incision_place(approach, hook.along_mm);
     const Vec3 depth = place.of(approach.directions).normalized();
     const Vec3 step = approach.incision[place.segment + 1] - approach.incision[place.segment];
-    return { place.of(approach.incision) + hook.depth_mm * depth, step / step.norm(), depth };
+    // A blade is straight and square to its rack; a hook lies along its piece of the incision.
+    const Vec3 along = approach.retractor ? depth.cross(hook.side * hook.direction) : step;
+    return { place.of(approach.incision) + hook.depth_mm * depth, along.normalized(), depth };
 }
 
 SizingSpec with_scaled_edges(SizingSpec sizing, double factor)

@@ -11,6 +11,7 @@
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/image/skeleton.h"
 #include "planner/approach/bearing_points.h"
+#include "planner/approach/blade_fit.h"
 #include "planner/approach/find_division.h"
 #include "planner/approach/retractors.h"
 #include "planner/case/plausible_input.h"
@@ -654,6 +655,7 @@ namespace {
         if (approach.retractor) {
             check_retractor_settings(patient.planned_case().solution);
             approach.hooks = blades_of(approach);
+            fit_blades(approach, *patient.labels());
         }
         find_bearing_points(approach, *patient.labels());
         find_division(approach, patient);

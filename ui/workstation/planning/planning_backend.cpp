@@ -6,6 +6,7 @@
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/anatomy/body_probe.h"
 #include "planner/approach/bearing_points.h"
+#include "planner/approach/blade_fit.h"
 #include "planner/approach/blade_change.h"
 #include "planner/approach/divided_bones.h"
 #include "planner/approach/find_division.h"
@@ -173,6 +174,7 @@ namespace {
         setup.approach = approach;
         if (approach.retractor) {
             setup.approach.hooks = planner::blades_of(approach);
+            planner::fit_blades(setup.approach, *labels);
             for (planner::HookSpec& blade : setup.approach.hooks)
                 blade.pull.force_N = approach.retractor->force_N;
         }

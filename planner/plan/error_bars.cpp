@@ -110,6 +110,9 @@ namespace {
             return fem::Opening(coarse, options).open(coarse.hooks, named);
         };
         fem::OpeningResult result = wound.coarse ? *wound.coarse : open_coarse();
+        if (wound.coarse) // forces of a retractor in the directions of its own frame
+            for (Vec3& force : result.hook_forces_N)
+                force = wound.coarse_turn * force;
         if (!is_usable(result))
             return { .message = "the solution by four-node elements failed: " + result.message };
         ComparisonSolutions solutions;

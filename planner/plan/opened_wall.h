@@ -20,6 +20,7 @@ struct OpenedWall {
     Eigen::VectorXd ten_node {};
     /// The solution by four-node elements from which ten-node elements began; none: they began at rest.
     std::optional<fem::OpeningResult> coarse {};
+    Mat3 coarse_turn = Mat3::Identity(); ///< turns a retractor from where it is in `coarse` to where it is at the end
     std::vector<fem::HookPatch> hooks {}; ///< the hooks at their final places
     /// per hook: the force limit is reached; empty when all hooks prescribe displacements
     std::vector<bool> yielded {};

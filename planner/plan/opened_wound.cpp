@@ -441,6 +441,7 @@ namespace {
             && fine.opening.status != fem::OpeningStatus::cancelled)
             fine = fem::open_with_frame(problem, frame, drive, options, how, job);
         const bool as_coarse = fine.direction_is_held == coarse.direction_is_held; // else another operation
+        opened.coarse_turn = fine.state.rotation * coarse.state.rotation.transpose();
         take_retractor(opened, frame, std::move(fine));
         if (start && as_coarse)
             opened.coarse = std::move(coarse.opening);
@@ -594,6 +595,7 @@ OpenedWall opened_wall_of(const PlannedField& field, const OpenedWound& wound)
 {
     OpenedWall opened { .ten_node = wound.ten_node,
         .coarse = wound.coarse,
+        .coarse_turn = wound.coarse_turn,
         .hooks = field.problem.hooks,
         .yielded = field.yielded,
         .near_tets = field.metrics.solution.near_tets,
@@ -667,7 +669,7 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
             = field.opening.status == fem::OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
     }
     OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::nullopt, std::move(opened.ten_node),
-        std::move(opened.coarse) };
+        std::move(opened.coarse), opened.coarse_turn };
     if (field.metrics.contact && field.metrics.contact->computed)
         wound.contact = std::move(surfaces.options);
     if (field.opening.status == fem::OpeningStatus::cancelled || wound.rigid.vertices.empty())

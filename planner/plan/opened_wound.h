@@ -33,6 +33,7 @@ struct OpenedWound {
     std::optional<fem::ContactOptions> contact; ///< contact of the solution; empty: without contact
     Eigen::VectorXd ten_node {}; ///< as OpenedWall::ten_node
     std::optional<fem::OpeningResult> coarse {}; ///< as OpenedWall::coarse
+    Mat3 coarse_turn = Mat3::Identity(); ///< as OpenedWall::coarse_turn
 };
 
 /// A solution of the wound from which opening and forces are measured.

@@ -7,6 +7,8 @@
 #include "planner/wall/field_geometry.h"
 #include "tests/support/block_case.h"
 
+#include <Eigen/Geometry>
+
 #include <gtest/gtest.h>
 
 #include <string>
@@ -101,6 +103,46 @@ namespace error_bars_test {
                 EXPECT_NEAR(bars.seen_best_eye, kSharePerMm * bars.opening_width_mm, kRoundOff);
                 EXPECT_EQ(calls, (driven ? 2 : 1) + (element == ElementKind::locking_free ? 1 : 0));
             }
+    }
+
+    /// A retractor that four-node elements balance in another direction pushes as it does in the plan's direction.
+    TEST(ErrorBars, ForcesOfARetractorAreComparedInItsOwnDirections)
+    {
+        constexpr double kRoundOff = 1e-9; // N
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Case planned_case = Patient(test_support::block_case("turned", phantom)).planned_case();
+        const SolverSettings choice { .elasticity = fem::Elasticity::linear, .element = ElementKind::p2 };
+        planned_case.solution = choice;
+        planned_case.accept_implausible = true;
+        Patient patient(planned_case);
+        const Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0);
+        const PlannedField field = plan_approach(patient, approach, {}, { .error_bars = false });
+        ASSERT_EQ(field.status, PlanStatus::done) << field.message;
+        const auto solved = [&](const fem::ElasticProblem& problem) {
+            return fem::Opening(problem, opening_options(choice)).open(problem.hooks);
+        };
+        OpenedWound wound;
+        const Points ten_node = solved(field.problem).displacement;
+        wound.ten_node = Eigen::Map<const Eigen::VectorXd>(ten_node.data(), ten_node.size());
+        wound.coarse = solved(fem::without_midpoints(field.problem));
+        const auto force_bars = [&](const OpenedWound& of) {
+            ErrorBars bars = estimate_errors(field, of, choice, [](const Points&) { return 0.0; }, {});
+            EXPECT_EQ(bars.message, "");
+            return bars.hook_forces_N;
+        };
+        const std::vector<double> as_is = force_bars(wound);
+        const Mat3 turned = Eigen::AngleAxisd(0.2, Vec3(1.0, 2.0, 2.0).normalized()).matrix();
+        for (Vec3& force : wound.coarse->hook_forces_N)
+            force = turned.transpose() * force;
+        const std::vector<double> askew = force_bars(wound);
+        wound.coarse_turn = turned;
+        const std::vector<double> turned_back = force_bars(wound);
+        ASSERT_EQ(turned_back.size(), as_is.size());
+        for (std::size_t h = 0; h < as_is.size(); ++h) {
+            EXPECT_GT(as_is[h], 0.0);
+            EXPECT_NEAR(turned_back[h], as_is[h], kRoundOff);
+            EXPECT_GT(askew[h], 1.05 * as_is[h]);
+        }
     }
 
 } // namespace error_bars_test

@@ -1,5 +1,6 @@
 #include "planner/approach/approach_draft.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/approach/hooks.h"
@@ -99,6 +100,30 @@ Approach opened_by(Approach approach, const OpenedBy& opening)
         approach, find_retractor(built_in_retractors(), opening.retractor), { .opening_mm = opening.opening_mm });
     check_approach(approach);
     static_cast<void>(blades_of(approach)); // refuses a wall that is too thin
+    return approach;
+}
+
+double opening_of(const Approach& approach)
+{
+    if (approach.retractor)
+        return approach.retractor->force_N ? 0.0 : approach.retractor->opening_mm;
+    double largest = 0.0;
+    for (const HookSpec& hook : approach.hooks)
+        if (!hook.pull.force_N)
+            largest = std::max(largest, 2.0 * hook.opening_mm); // each lip moves half of the opening
+    return largest;
+}
+
+Approach with_opening(Approach approach, double opening_mm)
+{
+    const double present = opening_of(approach);
+    RETRACTOR_ASSERT(present > 0.0 && opening_mm > 0.0);
+    if (approach.retractor)
+        approach.retractor->opening_mm = opening_mm;
+    for (HookSpec& hook : approach.hooks)
+        if (!hook.pull.force_N)
+            hook.opening_mm *= opening_mm / present;
+    check_approach(approach);
     return approach;
 }
 

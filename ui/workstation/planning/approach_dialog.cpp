@@ -209,7 +209,9 @@ void ApproachDialog::show_what_applies()
         space_->setMinimum(kind.has_side ? kHighestSpace : kSpaceOfItsOwn);
         side_->setEnabled(kind.has_side);
     }
-    opening_->setEnabled(opened_by_->currentData().toString() != kNothing && !keeps_opening());
+    // What pulls with a force, or does not pull yet, has no opening to change.
+    opening_->setEnabled(
+        opened_by_->currentData().toString() != kNothing && (!keeps_opening() || shown_.opened_by.opening_mm > 0.0));
 }
 
 bool ApproachDialog::keeps_opening() const { return opened_by_->currentData().toString() == kAsItIs; }
@@ -218,9 +220,17 @@ void ApproachDialog::show_draft(const planner::ApproachDraft& draft)
 {
     shown_ = draft;
     name_->setText(QString::fromStdString(draft.name));
+    if (draft.opened_by.opening_mm > 0.0) {
+        constexpr double kWhole = 1e-6;
+        const bool whole = std::abs(draft.opened_by.opening_mm - std::round(draft.opened_by.opening_mm)) < kWhole;
+        opening_->setDecimals(whole ? 0 : 1);
+        opening_->setValue(draft.opened_by.opening_mm);
+    }
     target_->setCurrentIndex(target_->findData(QString::fromStdString(draft.target)));
     show_what_applies();
 }
+
+void ApproachDialog::set_usual_name(const QString& name) { name_->setPlaceholderText(translated(name)); }
 
 planner::ApproachDraft ApproachDialog::draft() const
 {
@@ -241,8 +251,12 @@ planner::ApproachDraft ApproachDialog::draft() const
     }
     const QString key = opened_by_->currentData().toString();
     draft.opened_by = {};
-    if (key == kNothing || key == kAsItIs)
+    if (key == kNothing)
         return draft;
+    if (key == kAsItIs) {
+        draft.opened_by.opening_mm = opening_->isEnabled() ? opening_->value() : 0.0;
+        return draft;
+    }
     if (key.startsWith(kHooksPrefix))
         draft.opened_by.hooks = key.mid(kHooksPrefix.size()).toStdString();
     else

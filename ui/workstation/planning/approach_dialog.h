@@ -34,11 +34,14 @@ public:
 
     ApproachDialog(Asks asks, const std::vector<Target>& targets, QWidget* parent);
 
-    /// Shows name and target of a draft. @pre its target is one of the targets
+    /// Shows name, target and opening of a draft. @pre its target is one of the targets
     void show_draft(const planner::ApproachDraft& draft);
-    /// The draft as it stands now; its points are those shown.
+    /// Shown in place of an empty name.
+    void set_usual_name(const QString& name);
+    /// The draft as it stands now; its points are those shown. Where hooks or retractor stay, the opening is that of
+    /// the field, and 0 where they have none.
     planner::ApproachDraft draft() const;
-    /// Whether hooks or retractor stay as they are. Only where an existing approach is changed.
+    /// Whether hooks or retractor stay. Only where an existing approach is changed.
     bool keeps_opening() const;
     /// Shows why the approach could not be made; the dialog stays open.
     void show_failure(const QString& text);

@@ -19,6 +19,8 @@ namespace retractor::ui {
 
 namespace {
 
+    constexpr double kSameMm = 1e-6; ///< an opening that nobody changed
+
     /// Length over the given points, mm.
     double length_of(const std::vector<Vec3>& points)
     {
@@ -173,6 +175,7 @@ void ApproachEditor::move_points()
     moved_id_ = model_->id(*model_->selected());
     begin(planner::incision_handles(model_->approach(*model_->selected())),
         "Drag the points of the incision. Enter ends, Esc leaves the incision as it was.");
+    moved_from_ = tool_.points();
 }
 
 void ApproachEditor::say_what_to_do()
@@ -199,6 +202,10 @@ void ApproachEditor::finish_moving()
     if (!index || model_->id(*index) != moved_id_) {
         abandon();
         return;
+    }
+    if (tool_.points() == moved_from_) { // the plan stays
+        abandon();
+        return on_message("The incision is where it was.");
     }
     tool_.freeze(true); // what is dragged now would be lost
     const auto refuse = [this, drawing = drawings_](const Failure& failure) {
@@ -274,7 +281,11 @@ void ApproachEditor::change_opening()
                     : approach.target.is_site() ? readable(target) + ", as it is"
                                                 : target });
     auto* dialog = new ApproachDialog(ApproachDialog::Asks::opening, targets, &window_);
-    dialog->show_draft({ .name = approach.name, .target = target });
+    const std::string spoken = planner::spoken_name(approach);
+    dialog->show_draft({ .name = spoken == approach.name ? approach.name : std::string(),
+        .target = target,
+        .opened_by = { .opening_mm = planner::opening_of(approach) } });
+    dialog->set_usual_name(QString::fromStdString(spoken));
     ask(
         dialog,
         [approach, target, dialog](const planner::ApproachDraft& draft) -> Make {
@@ -284,7 +295,12 @@ void ApproachEditor::change_opening()
                     changed.name = draft.name;
                 if (draft.target != target)
                     changed = planner::with_target(std::move(changed), { .label = draft.target });
-                return keeps ? changed : planner::opened_by(std::move(changed), draft.opened_by);
+                if (!keeps)
+                    return planner::opened_by(std::move(changed), draft.opened_by);
+                const double present = planner::opening_of(changed), asked = draft.opened_by.opening_mm;
+                if (present > 0.0 && asked > 0.0 && std::abs(asked - present) > kSameMm)
+                    changed = planner::with_opening(std::move(changed), asked);
+                return changed;
             };
         },
         [this, id](planner::Approach changed_approach) {

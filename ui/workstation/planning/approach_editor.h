@@ -86,6 +86,7 @@ private:
     IncisionTool tool_;
     bool moving_ = false; ///< the tool moves the points of an existing incision
     std::size_t moved_id_ = 0; ///< id of the approach whose points are moved
+    std::vector<Vec3> moved_from_ {}; ///< the points before they were moved
     int drawings_ = 0; ///< number of drawings begun and ended; what was made for an older one is dropped
     bool opened_before_ = true; ///< whether the opened field was shown before the drawing
     QPointer<ApproachDialog> dialog_; ///< the open dialog

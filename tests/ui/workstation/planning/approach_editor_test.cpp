@@ -181,6 +181,41 @@ namespace approach_editor_test {
         EXPECT_EQ(window_.model()->state(0).status, FieldStatus::planned);
     }
 
+    TEST_F(ApproachEditorTest, AMoveThatMovesNothingKeepsThePlan)
+    {
+        press(Qt::Key_P);
+        test_support::wait_until_idle(window_);
+        ASSERT_EQ(window_.model()->state(0).status, FieldStatus::planned);
+        press(Qt::Key_M);
+        press(Qt::Key_Return);
+        test_support::wait_until_idle(window_);
+        EXPECT_FALSE(window_.editor().drawing());
+        EXPECT_EQ(window_.model()->state(0).status, FieldStatus::planned);
+        EXPECT_FALSE(window_.model()->edit_to_undo());
+        EXPECT_EQ(window_.message_line(), "The incision is where it was.");
+    }
+
+    TEST_F(ApproachEditorTest, TheOpeningIsChangedWithoutChoosingTheRetractorAgain)
+    {
+        const auto opening = [this] { return dialog()->findChild<QDoubleSpinBox*>("opening"); };
+        press(Qt::Key_E);
+        ASSERT_NE(dialog(), nullptr);
+        EXPECT_FALSE(opening()->isEnabled()) << "nothing opens the wound yet";
+        auto* by = dialog()->findChild<QComboBox*>("opened by");
+        by->setCurrentIndex(by->findData("finochietto"));
+        opening()->setValue(30.0);
+        accept_dialog();
+        ASSERT_TRUE(window_.model()->approach(0).retractor) << window_.error_line();
+        press(Qt::Key_E);
+        ASSERT_NE(dialog(), nullptr);
+        EXPECT_TRUE(opening()->isEnabled());
+        EXPECT_EQ(opening()->value(), 30.0) << "that of the approach";
+        opening()->setValue(25.0);
+        accept_dialog();
+        EXPECT_EQ(window_.model()->approach(0).retractor->opening_mm, 25.0);
+        EXPECT_EQ(window_.model()->approach(0).retractor->kind, "finochietto");
+    }
+
     TEST_F(ApproachEditorTest, ARefusedApproachSaysWhyInTheDialog)
     {
         press(Qt::Key_N);

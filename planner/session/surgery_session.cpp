@@ -1227,20 +1227,26 @@ void SurgerySession::join_planned_blades()
 
 namespace {
 
-    void leave_out_those_there(PlannedPlacements& planned, const std::vector<HookState>& there)
+    /// Takes hooks that are in the wound out of those to place, whether they were pulled by hand since or not.
+    /// @return those hooks and their planned drives
+    std::vector<std::pair<fem::HookId, fem::HookDrive>> take_out_those_there(
+        PlannedPlacements& planned, const std::vector<HookState>& there)
     {
+        std::vector<std::pair<fem::HookId, fem::HookDrive>> found;
         PlannedPlacements missing {
             .placements = {}, .names = {}, .drives = {}, .omitted = std::move(planned.omitted)
         };
         for (std::size_t i = 0; i < planned.placements.size(); ++i) {
-            if (std::any_of(there.begin(), there.end(),
-                    [&](const HookState& hook) { return hook.planned && hook.name == planned.names[i]; }))
+            if (const auto same = std::ranges::find(there, planned.names[i], &HookState::name); same != there.end()) {
+                found.emplace_back(same->id, planned.drives[i]);
                 continue;
+            }
             missing.placements.push_back(std::move(planned.placements[i]));
             missing.names.push_back(std::move(planned.names[i]));
             missing.drives.push_back(planned.drives[i]);
         }
         planned = std::move(missing);
+        return found;
     }
 
     std::string tension_unlike_the_plan(double here, double planned)
@@ -1277,11 +1283,17 @@ KnifeAnswer SurgerySession::attach_planned_hooks()
             planned.names[n] = std::string(kPlannedBlade) + blade_name(planned.placements[n].pull);
             bear_on_bone(planned.placements[n], session_, skeleton_);
         }
-    leave_out_those_there(planned, hooks().hooks);
-    if (planned.placements.empty())
-        return { false, "the planned hooks already hold the wound: remove them to start again" };
-    KnifeAnswer answer
-        = attach(std::move(planned.placements), planned.names, planned.drives, true, std::move(planned.omitted));
+    const auto there = take_out_those_there(planned, hooks().hooks);
+    KnifeAnswer answer { true, planned.omitted };
+    if (!planned.placements.empty())
+        answer = attach(std::move(planned.placements), planned.names, planned.drives, true, std::move(planned.omitted));
+    if (!there.empty())
+        change_hooks([&] {
+            for (const auto& [hook, drive] : there)
+                if (hooks_->has(hook)) // what was attached may have taken it off
+                    hooks_->plan(hook, drive);
+            hooks_->pull_share(1.0);
+        });
     join_planned_blades();
     if (answer.done && approach_.retractor && approach_.retractor->force_N)
         answer.reason += (answer.reason.empty() ? "" : "; ")

@@ -497,6 +497,8 @@ void WoundHooks::pull_all(double mm)
         hook.planned.reset();
 }
 
+void WoundHooks::plan(fem::HookId hook, const fem::HookDrive& planned) { state(hook).planned = planned; }
+
 void WoundHooks::pull_share(double share)
 {
     if (!std::isfinite(share))

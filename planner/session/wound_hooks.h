@@ -138,6 +138,9 @@ public:
     /// @throws InputError as attach() and join()
     void return_to(const HookSet& then);
     void pull_all(double mm); ///< each hook along its own pull direction; retractors open by twice as much
+    /// Gives a hook that was pulled by hand a plan again, to which pull_share() drives it.
+    /// @throws InputError when the hook does not exist
+    void plan(fem::HookId hook, const fem::HookDrive& planned);
     /// Drives all planned hooks to this share of their planned force and displacement. Hooks pulled by hand stay.
     /// @throws InputError on NaN
     void pull_share(double share);

@@ -372,9 +372,11 @@ namespace wound_hooks_test {
                     6.0 * hook.placement.pull.z(), kRoundingMm);
         EXPECT_GE(live_session.gape_mm(), 12.0 - kRoundingMm);
 
-        const KnifeAnswer again = live_session.take_planned_hooks();
-        EXPECT_FALSE(again.done);
-        EXPECT_NE(again.reason.find("already hold the wound"), std::string::npos) << again.reason;
+        // Hooks that were moved by hand go back to their plan.
+        live_session.pull_all_hooks(1.0);
+        EXPECT_TRUE(live_session.take_planned_hooks().done);
+        ASSERT_EQ(live_session.hooks().hooks.size(), 2U);
+        EXPECT_LT((live_session.hooks().hooks[0].displacement - Vec3(0.0, 0.0, 6.0)).norm(), kRoundingMm);
         live_session.take_off_hook(report.hooks[0].id);
         EXPECT_TRUE(live_session.take_planned_hooks().done) << "the one that was taken off";
         EXPECT_EQ(live_session.hooks().hooks.size(), 2U);
@@ -899,7 +901,14 @@ namespace wound_hooks_test {
         settle(live_session);
         EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 6.0, 1e-9);
         EXPECT_LE(live_session.hooks().retractors[0].imbalance, RackBalance::kTolerance);
-        EXPECT_FALSE(live_session.take_planned_hooks().done) << "it is there already";
+        // Cranked shut by hand, it opens to its plan again.
+        live_session.pull_all_hooks(0.0);
+        settle(live_session);
+        const KnifeAnswer again = live_session.take_planned_hooks();
+        EXPECT_TRUE(again.done) << again.reason;
+        ASSERT_EQ(live_session.hooks().hooks.size(), 2U);
+        ASSERT_EQ(live_session.hooks().retractors.size(), 1U);
+        EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 12.0, 1e-9);
     }
 
     TEST(WoundHooks, APlannedHookHoldsNoBoneBeyondACutThatMissedItsLine)

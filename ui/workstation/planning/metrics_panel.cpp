@@ -257,7 +257,13 @@ void MetricsPanel::show_model(const SessionModel* model)
             kFaint));
     }
     column->addStretch(1);
-    const int scrolled = verticalScrollBar() != nullptr ? verticalScrollBar()->value() : 0;
+    const bool compares = model != nullptr && model->shown_view() == ViewPreset::compare;
+    const std::optional<std::size_t> approach
+        = model != nullptr && model->selected() ? std::optional(model->id(*model->selected())) : std::nullopt;
+    const bool same = comparison_shown_ == compares && (compares || shown_approach_ == approach);
+    comparison_shown_ = compares;
+    shown_approach_ = approach;
+    const int scrolled = same ? verticalScrollBar()->value() : 0;
     setWidget(page);
     verticalScrollBar()->setValue(scrolled);
 }

@@ -5,6 +5,9 @@
 
 #include <QScrollArea>
 
+#include <cstddef>
+#include <optional>
+
 namespace retractor::ui {
 
 class MetricsPanel : public QScrollArea {
@@ -15,6 +18,9 @@ public:
     void show_model(const SessionModel* model);
 
 private:
+    /// What is shown: the id of an approach, or the comparison. Something else begins at its top.
+    std::optional<std::size_t> shown_approach_ {};
+    bool comparison_shown_ = false;
     bool technical_shown_ = false; ///< the numbers of the computation are open
 };
 

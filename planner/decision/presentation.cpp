@@ -100,7 +100,7 @@ namespace {
         else
             for (const ComparedMeasure& measure : compared_measures(fields))
                 if (std::string_view(measure.metric->key) == "seen_best_eye" && measure.leader)
-                    text = "Most of the target is seen through "
+                    text = "The target is seen best through "
                         + spoken_name(planned_case.approaches.at(planned.at(*measure.leader))) + " ("
                         + percent(fields.at(*measure.leader).seen_best_eye) + ").";
         if (decisions.choices.empty())

@@ -249,15 +249,17 @@ const MetricField& metric_field(std::string_view key)
 std::string metric_number(const MetricField& metric, double value, int digits)
 {
     constexpr double kPercent = 100.0, kMm2PerCm2 = 100.0;
+    constexpr int kLeastDigitsOfSr = 2; // a wound fills some tenths
     switch (metric.unit) {
     case MetricUnit::percent:
         return in_words(kPercent * value, digits);
     case MetricUnit::cm2:
         return in_words(value / kMm2PerCm2, digits);
+    case MetricUnit::sr:
+        return in_words(value, std::max(digits, kLeastDigitsOfSr));
     case MetricUnit::degree:
     case MetricUnit::mm:
     case MetricUnit::N:
-    case MetricUnit::sr:
     case MetricUnit::none:
         break;
     }

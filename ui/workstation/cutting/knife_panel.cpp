@@ -495,7 +495,7 @@ QWidget* KnifePanel::make_hooks()
     instrument_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
     instrument_->setMinimumContentsLength(12);
     form->addRow("Set", instrument_);
-    form->addRow("Opening", open);
+    form->addRow("Each side by", open);
     yield_ = new QDoubleSpinBox;
     yield_->setRange(0.0, kStrongestN);
     yield_->setDecimals(1);

@@ -2260,16 +2260,16 @@
         <translation>最良の目から見て、この構造が最初に隠す標的の割合。</translation>
     </message>
     <message>
-        <source>Blade to %1</source>
-        <translation>刃から%1まで</translation>
+        <source>Cut to %1</source>
+        <translation>切開面から%1まで</translation>
     </message>
     <message>
         <source>passes through it</source>
         <translation>貫く</translation>
     </message>
     <message>
-        <source>Shortest distance from the blade to this structure at risk, before opening.</source>
-        <translation>開く前の、刃からこの構造までの最短距離。</translation>
+        <source>Shortest distance from the cut to this structure at risk, before opening.</source>
+        <translation>開創前の、切開面からこの危険構造までの最短距離。</translation>
     </message>
     <message>
         <source>Shortest distance from this instrument, where it stands in the opened wound, to this structure at risk, where the CT shows it.</source>
@@ -2392,11 +2392,11 @@
         <translation>開創器、%1</translation>
     </message>
     <message>
-        <source>Left lip follows within</source>
+        <source>Off its line: left lip</source>
         <translation>左の創縁のずれ</translation>
     </message>
     <message>
-        <source>Right lip follows within</source>
+        <source>Off its line: right lip</source>
         <translation>右の創縁のずれ</translation>
     </message>
     <message>
@@ -4020,7 +4020,7 @@
         <translation>見える割合で、誤差を超えてまさるアプローチはありません。</translation>
     </message>
     <message>
-        <source>Most of the target is seen through %1 (%2).</source>
+        <source>The target is seen best through %1 (%2).</source>
         <translation>標的が最もよく見えるのは%1（%2）です。</translation>
     </message>
     <message>
@@ -4712,10 +4712,6 @@
         <translation>ここにはすでに鉤またはブレードがかかっています。それをドラッグするか、離れた所を押してください</translation>
     </message>
     <message>
-        <source>the planned hooks already hold the wound: remove them to start again</source>
-        <translation>計画した鉤はすでにかかっています。やり直すには外してください</translation>
-    </message>
-    <message>
         <source>the wall cannot be opened: %1</source>
         <translation>体壁を開けません：%1</translation>
     </message>
@@ -4880,8 +4876,8 @@
         <translation>停止</translation>
     </message>
     <message>
-        <source>A straight %1, %2 mm thick and up to %3 mm long, reaches %4 % of the surface; what it does not reach is dark.</source>
-        <translation>まっすぐな%1（太さ %2 mm、長さ %3 mm まで）は表面の %4 % に届きます。届かない所は暗く示します。</translation>
+        <source>A straight %1, %2 mm thick and up to %3 mm long, reaches %4 % of the whole surface shown here; what it does not reach is dark.</source>
+        <translation>まっすぐな%1（太さ %2 mm、長さ %3 mm まで）は、ここに示す表面全体の %4 % に届きます。届かない所は暗く示します。</translation>
     </message>
     <message>
         <source>finger</source>
@@ -6458,6 +6454,110 @@
     <message>
         <source>from behind</source>
         <translation>背中側から</translation>
+    </message>
+    <message>
+        <source>Off its line: lip at the %1</source>
+        <translation>%1の創縁のずれ</translation>
+    </message>
+    <message>
+        <source>Each side by</source>
+        <translation>片側ずつ</translation>
+    </message>
+    <message>
+        <source>the lip at the %1 lies up to %2 mm (mean %3 mm) off the line of its %4, most %5 mm along the incision</source>
+        <translation>%1の創縁は%4の線から最大 %2 mm（平均 %3 mm）離れ、最も離れるのは切開に沿って %5 mm の所です</translation>
+    </message>
+    <message>
+        <source>lip at the %1</source>
+        <translation>%1の創縁</translation>
+    </message>
+    <message>
+        <source>Force of the %1</source>
+        <translation>%1の力</translation>
+    </message>
+    <message>
+        <source>The incision is where it was.</source>
+        <translation>切開はもとのままです。</translation>
+    </message>
+    <message>
+        <source>upper blade: %1</source>
+        <translation>上のブレード：%1</translation>
+    </message>
+    <message>
+        <source>upper blade to %1</source>
+        <translation>上のブレードと%1</translation>
+    </message>
+    <message>
+        <source>%1, upper blade: %2</source>
+        <translation>%1、上のブレード：%2</translation>
+    </message>
+    <message>
+        <source>upper blade, largest</source>
+        <translation>上のブレード、最大</translation>
+    </message>
+    <message>
+        <source>lower blade: %1</source>
+        <translation>下のブレード：%1</translation>
+    </message>
+    <message>
+        <source>lower blade to %1</source>
+        <translation>下のブレードと%1</translation>
+    </message>
+    <message>
+        <source>%1, lower blade: %2</source>
+        <translation>%1、下のブレード：%2</translation>
+    </message>
+    <message>
+        <source>lower blade, largest</source>
+        <translation>下のブレード、最大</translation>
+    </message>
+    <message>
+        <source>front blade: %1</source>
+        <translation>前のブレード：%1</translation>
+    </message>
+    <message>
+        <source>front blade to %1</source>
+        <translation>前のブレードと%1</translation>
+    </message>
+    <message>
+        <source>%1, front blade: %2</source>
+        <translation>%1、前のブレード：%2</translation>
+    </message>
+    <message>
+        <source>front blade, largest</source>
+        <translation>前のブレード、最大</translation>
+    </message>
+    <message>
+        <source>back blade: %1</source>
+        <translation>後ろのブレード：%1</translation>
+    </message>
+    <message>
+        <source>back blade to %1</source>
+        <translation>後ろのブレードと%1</translation>
+    </message>
+    <message>
+        <source>%1, back blade: %2</source>
+        <translation>%1、後ろのブレード：%2</translation>
+    </message>
+    <message>
+        <source>back blade, largest</source>
+        <translation>後ろのブレード、最大</translation>
+    </message>
+    <message>
+        <source>%1, upper blade: %2, %3, lower blade: %4</source>
+        <translation>%1：上のブレード %2；%3：下のブレード %4</translation>
+    </message>
+    <message>
+        <source>%1, lower blade: %2, %3, upper blade: %4</source>
+        <translation>%1：下のブレード %2；%3：上のブレード %4</translation>
+    </message>
+    <message>
+        <source>%1, front blade: %2, %3, back blade: %4</source>
+        <translation>%1：前のブレード %2；%3：後ろのブレード %4</translation>
+    </message>
+    <message>
+        <source>%1, back blade: %2, %3, front blade: %4</source>
+        <translation>%1：後ろのブレード %2；%3：前のブレード %4</translation>
     </message>
 </context>
 </TS>

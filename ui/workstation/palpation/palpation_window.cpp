@@ -420,7 +420,7 @@ void PalpationWindow::show_reach()
         return;
     const haptics::StraightRod& rod = access->finger();
     QString text = translated(formatted("A straight %s, %.0f mm thick and up to %.0f mm long, reaches %.0f %% of the "
-                                        "surface; what it does not reach is dark.",
+                                        "whole surface shown here; what it does not reach is dark.",
         snapshot_->setup.through.c_str(), rod.thickness_mm, rod.reach_mm, 100.0 * frame_->reached_share));
     const haptics::FingerContact& contact = frame_->servo.contacts[tool_->finger()];
     if (tool_->is_out(tool_->finger()) && contact.stopped) {

@@ -109,9 +109,9 @@ namespace {
         add_rows(section, field, planner::MetricGroup::opening);
         add_rows(section, field, planner::MetricGroup::distances);
         for (const planner::RiskDistance& risk : field.at_risk)
-            section.rows.push_back({ "Blade to " + risk.name,
+            section.rows.push_back({ "Cut to " + readable(risk.name),
                 risk.distance_mm > 0.0 ? in_words(risk.distance_mm, 1) + " mm" : "passes through it",
-                "Shortest distance from the blade to this structure at risk, before opening." });
+                "Shortest distance from the cut to this structure at risk, before opening." });
         for (const planner::RiskDistance& risk : field.steel_at_risk)
             section.rows.push_back(
                 { readable(risk.from) + " to " + readable(risk.name), in_words(risk.distance_mm, 1) + " mm",

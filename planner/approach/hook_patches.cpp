@@ -77,6 +77,18 @@ std::vector<fem::HookPatch> hook_patches(const mesh::TetMesh& wall, std::span<co
     return patches;
 }
 
+std::string_view side_of_pull(const Vec3& pull)
+{
+    Eigen::Index axis = 0;
+    pull.cwiseAbs().maxCoeff(&axis);
+    const bool positive = pull[axis] > 0.0;
+    if (axis == 0)
+        return positive ? "left" : "right";
+    if (axis == 1)
+        return positive ? "back" : "front";
+    return positive ? "upper" : "lower";
+}
+
 fem::HookDrive drive_of(const HookSpec& spec)
 {
     fem::HookDrive drive { .displacement = spec.opening_mm * spec.direction };

@@ -8,6 +8,7 @@
 #include "planner/case/approach.h"
 
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace retractor::planner {
@@ -18,6 +19,9 @@ namespace retractor::planner {
 /// @throws InputError naming the hook, when fewer than three free nodes lie under it
 std::vector<fem::HookPatch> hook_patches(const mesh::TetMesh& wall, std::span<const mesh::LipFace> lips,
     const Approach& approach, const mesh::LabelTable& table, const fem::Supports& supports);
+
+/// Where a pull leads, by its largest component in patient LPS: "left", "right", "back", "front", "upper" or "lower".
+std::string_view side_of_pull(const Vec3& pull);
 
 /// The drive of a hook: its motion, force, limit and grip, as the solver takes them.
 fem::HookDrive drive_of(const HookSpec& spec);

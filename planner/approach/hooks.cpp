@@ -4,6 +4,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "planner/approach/hook_patches.h"
 
 #include <Eigen/Geometry>
 
@@ -126,7 +127,7 @@ std::vector<HookSpec> make_blades(const Approach& approach, double along_mm, dou
     const Vec3 left = left_at(approach, along_mm, width_mm);
     std::vector<HookSpec> blades;
     for (const int side : { 1, -1 }) {
-        HookSpec blade { .name = side > 0 ? "left_blade" : "right_blade",
+        HookSpec blade { .name = std::string(side_of_pull(side * left)) + "_blade",
             .side = side,
             .along_mm = along_mm,
             .patch_width_mm = width_mm,

@@ -903,14 +903,21 @@ std::string retractor_text(const FieldMetrics& field)
                 : "");
 }
 
+std::string lip_name(const FieldMetrics& field, int side)
+{
+    if (field.retractor && field.retractor->blades.size() == 2)
+        return "lip at the " + readable(field.retractor->blades[side > 0 ? 0 : 1].name);
+    return side > 0 ? "left lip" : "right lip";
+}
+
 std::string lips_text(const FieldMetrics& field)
 {
     std::string text;
     for (const LipDeviation& lip : field.lip_deviation)
         remark(text,
-            formatted("the %s lip lies up to %.1f mm (mean %.1f mm) off the line of its %s, most %.0f mm along the "
-                      "incision",
-                lip.side > 0 ? "left" : "right", lip.largest_mm, lip.mean_mm, field.retractor ? "blade" : "hooks",
+            formatted(
+                "the %s lies up to %.1f mm (mean %.1f mm) off the line of its %s, most %.0f mm along the incision",
+                lip_name(field, lip.side).c_str(), lip.largest_mm, lip.mean_mm, field.retractor ? "blade" : "hooks",
                 lip.at_mm));
     return text;
 }

@@ -5,6 +5,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/image/skeleton.h"
+#include "planner/approach/hook_patches.h"
 #include "planner/session/planned_cuts.h"
 #include "planner/session/retractor/blade_bearing.h"
 #include "planner/wall/division_cut.h"
@@ -1114,23 +1115,6 @@ Vec3 SurgerySession::present_place(const HookPlacement& placement)
     return lies;
 }
 
-namespace {
-
-    /// "left blade", "upper blade": by the direction in which it pulls, LPS.
-    std::string blade_name(const Vec3& pull)
-    {
-        Eigen::Index axis = 0;
-        pull.cwiseAbs().maxCoeff(&axis);
-        const bool positive = pull[axis] > 0.0;
-        if (axis == 0)
-            return positive ? "left blade" : "right blade";
-        if (axis == 1)
-            return positive ? "back blade" : "front blade";
-        return positive ? "upper blade" : "lower blade";
-    }
-
-} // namespace
-
 KnifeAnswer SurgerySession::place_retractor(const Touch& at, const RetractorKind& kind)
 {
     return hook_step("setting the retractor", {}, [&] { return attach_retractor(at, kind); });
@@ -1177,7 +1161,7 @@ KnifeAnswer SurgerySession::attach_retractor(const Touch& at, const RetractorKin
     std::vector<std::string> names;
     std::vector<fem::HookDrive> drives;
     for (HookPlacement& blade : blades) {
-        names.push_back(blade_name(blade.pull) + number);
+        names.push_back(std::string(side_of_pull(blade.pull)) + " blade" + number);
         drives.push_back({ .displacement = present_place(blade) });
     }
     KnifeAnswer answer = attach({ blades.begin(), blades.end() }, names, drives, false, {});
@@ -1280,7 +1264,8 @@ KnifeAnswer SurgerySession::attach_planned_hooks()
         return { false, planned.omitted }; // a retractor needs both blades
     if (approach_.retractor)
         for (std::size_t n = 0; n < planned.placements.size(); ++n) { // as a retractor's that is set by hand
-            planned.names[n] = std::string(kPlannedBlade) + blade_name(planned.placements[n].pull);
+            planned.names[n]
+                = std::string(kPlannedBlade).append(side_of_pull(planned.placements[n].pull)).append(" blade");
             bear_on_bone(planned.placements[n], session_, skeleton_);
         }
     const auto there = take_out_those_there(planned, hooks().hooks);

@@ -325,8 +325,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 out << in_words(x(along), 1) << "," << in_words(y(deviation), 1) << " ";
             out << "\"/><rect x=\"" << in_words(key, 1) << "\" y=\"220\" width=\"14\" height=\"4\" fill=\"" << colour
                 << "\"/>";
-            text(key + 20.0, 227.0, "start", lip.side > 0 ? "left lip" : "right lip");
-            key += 100.0;
+            text(key + 20.0, 227.0, "start", lip_name(field, lip.side));
+            key += 180.0;
         }
         out << "</svg></div>";
     }

@@ -215,17 +215,18 @@ namespace {
                     number(blade.force_N.norm(), 1, "N") + ", " + number(blade.moment_Nm.norm(), 2, "N m"),
                     planner::blade_text(blade) + "." });
         for (const planner::LipDeviation& lip : field.lip_deviation)
-            section.rows.push_back({ lip.side > 0 ? "Left lip follows within" : "Right lip follows within",
+            section.rows.push_back({ "Off its line: " + planner::lip_name(field, lip.side),
                 number(lip.largest_mm, 1, "mm"),
                 "Largest distance of the skin's edge from the line of its hooks, in the middle part of the incision; "
                     + number(lip.mean_mm, 1, "mm") + " in the mean." });
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
             const bool known = field.error && field.error->message.empty() && i < field.error->hook_forces_N.size();
             const double force = field.hooks[i].force_N;
-            section.rows.push_back({ "Hook " + field.hooks[i].name,
-                known ? number(force, 1, "") + " ± " + number(field.error->hook_forces_N[i], 1, "N")
-                      : number(force, 1, "N"),
-                "Bears on " + planner::bearing_text(field.hooks[i]) + "." });
+            section.rows.push_back(
+                { field.retractor ? "Force of the " + readable(field.hooks[i].name) : "Hook " + field.hooks[i].name,
+                    known ? number(force, 1, "") + " ± " + number(field.error->hook_forces_N[i], 1, "N")
+                          : number(force, 1, "N"),
+                    "Bears on " + planner::bearing_text(field.hooks[i]) + "." });
         }
         return section;
     }

@@ -501,7 +501,7 @@ namespace session_model_test {
         EXPECT_TRUE(row_of(sections, "Strain of skin").warning);
         EXPECT_FALSE(row_of(sections, "Strain of muscle").warning) << "there is no published limit";
         EXPECT_EQ(row_of(sections, "Tearing").value, "possible");
-        EXPECT_EQ(row_of(sections, "Right lip follows within").value, "4.5 mm");
+        EXPECT_EQ(row_of(sections, "Off its line: right lip").value, "4.5 mm");
         field.tissue_strain.front().strain = 0.8;
         EXPECT_EQ(row_of(field_rows(field), "Tearing").value, "expected");
         field.tissue_strain.front().strain = 0.3;

@@ -6,8 +6,14 @@
 #include "ui/workstation/view/controls.h"
 
 #include <QActionGroup>
+#include <QColor>
 #include <QGridLayout>
+#include <QIcon>
 #include <QMenuBar>
+#include <QPainter>
+#include <QPen>
+#include <QPixmap>
+#include <QPolygonF>
 #include <QToolBar>
 #include <QToolButton>
 
@@ -15,6 +21,25 @@
 #include <utility>
 
 namespace retractor::ui {
+
+namespace {
+
+    /// Two light arrows to the right, where the style's own are black on a dark bar.
+    QIcon more_icon()
+    {
+        constexpr int kSide = 16, kSharp = 2; // for screens with two pixels to a point
+        QPixmap pixmap(kSharp * kSide, kSharp * kSide);
+        pixmap.setDevicePixelRatio(kSharp);
+        pixmap.fill(Qt::transparent);
+        QPainter painter(&pixmap);
+        painter.setRenderHint(QPainter::Antialiasing);
+        painter.setPen(QPen(QColor("#e4e8eb"), 2.0));
+        for (const qreal x : { 2.0, 8.0 })
+            painter.drawPolyline(QPolygonF({ { x, 3.0 }, { x + 5.0, 8.0 }, { x, 13.0 } }));
+        return pixmap;
+    }
+
+} // namespace
 
 QAction* MainWindow::add_action(
     QMenu& menu, const QString& text, const QKeySequence& key, const QString& tip, std::function<void()> run)
@@ -242,6 +267,10 @@ void MainWindow::make_tool_bar()
     QToolBar* bar = tool_bar_;
     bar->setMovable(false);
     bar->setContextMenuPolicy(Qt::PreventContextMenu);
+    if (auto* more = bar->findChild<QToolButton*>("qt_toolbar_ext_button")) { // where the window is narrow
+        more->setIcon(more_icon());
+        more->setToolTip(translated("More tools"));
+    }
     int key = 1;
     for (QAction* action : { surgeon_, overview_, slices_, incision_, compare_ })
         action->setIconText(QString::number(key++) + "  " + action->text());
@@ -261,6 +290,7 @@ void MainWindow::make_tool_bar()
         button->setDefaultAction(action);
         button->setToolButtonStyle(Qt::ToolButtonTextOnly);
         button->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed); // the pane may be narrow
+        button->setObjectName("narrow");
         approach_buttons_->addWidget(button, place / 2, place % 2);
         ++place;
     }

@@ -2036,7 +2036,7 @@
         <translation>切開の深さ</translation>
     </message>
     <message>
-        <source>As it is</source>
+        <source>The same as now</source>
         <translation>今のまま</translation>
     </message>
     <message>
@@ -6558,6 +6558,46 @@
     <message>
         <source>%1, back blade: %2, %3, front blade: %4</source>
         <translation>%1：後ろのブレード %2；%3：前のブレード %4</translation>
+    </message>
+    <message>
+        <source>... after %1 minutes</source>
+        <translation>… %1 分後</translation>
+    </message>
+    <message>
+        <source>ribs %1 to %2 GPa (%3 of %4 by their sections in the CT)</source>
+        <translation>肋骨 %1〜%2 GPa（%4 本中 %3 本は CT の断面による）</translation>
+    </message>
+    <message>
+        <source>ribs %1 GPa (%2 of %3 by their sections in the CT)</source>
+        <translation>肋骨 %1 GPa（%3 本中 %2 本は CT の断面による）</translation>
+    </message>
+    <message>
+        <source>More tools</source>
+        <translation>ほかの道具</translation>
+    </message>
+    <message>
+        <source>%1, right blade: %2, %3, left blade: %4</source>
+        <translation>%1：右のブレード %2；%3：左のブレード %4</translation>
+    </message>
+    <message>
+        <source>right_blade: %1, left_blade: %2</source>
+        <translation>右のブレード：%1、左のブレード：%2</translation>
+    </message>
+    <message>
+        <source>upper_blade: %1, lower_blade: %2</source>
+        <translation>上のブレード：%1、下のブレード：%2</translation>
+    </message>
+    <message>
+        <source>lower_blade: %1, upper_blade: %2</source>
+        <translation>下のブレード：%1、上のブレード：%2</translation>
+    </message>
+    <message>
+        <source>front_blade: %1, back_blade: %2</source>
+        <translation>前のブレード：%1、後ろのブレード：%2</translation>
+    </message>
+    <message>
+        <source>back_blade: %1, front_blade: %2</source>
+        <translation>後ろのブレード：%1、前のブレード：%2</translation>
     </message>
 </context>
 </TS>

@@ -17,8 +17,10 @@ QToolBar QToolButton { padding: 6px 5px; border-radius: 4px; color: #e4e8eb; }
 QToolBar QToolButton:hover { background: #353c43; }
 QToolBar QToolButton:checked { background: #2d6da8; color: white; }
 QToolBar QToolButton:disabled { color: #6d757d; }
+QToolBar QToolButton#qt_toolbar_ext_button { padding: 0px; min-width: 20px; background: #353c43; }
 QToolBar::separator { background: #3b4249; width: 1px; margin: 4px 3px; }
 QToolButton { padding: 6px 8px; border-radius: 4px; border: 1px solid #3b4249; color: #e4e8eb; }
+QToolButton#narrow { padding: 6px 1px; }
 QToolButton:hover { background: #353c43; }
 QToolButton:checked { background: #2d6da8; color: white; }
 QToolButton:disabled { color: #6d757d; }

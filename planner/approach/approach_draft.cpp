@@ -103,20 +103,27 @@ Approach opened_by(Approach approach, const OpenedBy& opening)
     return approach;
 }
 
-double opening_of(const Approach& approach)
+double asked_opening_mm(const Approach& approach)
 {
     if (approach.retractor)
         return approach.retractor->force_N ? 0.0 : approach.retractor->opening_mm;
-    double largest = 0.0;
-    for (const HookSpec& hook : approach.hooks)
-        if (!hook.pull.force_N)
-            largest = std::max(largest, 2.0 * hook.opening_mm); // each lip moves half of the opening
-    return largest;
+    double opening = 0.0;
+    for (const int side : { 1, -1 }) {
+        double sum = 0.0;
+        int count = 0;
+        for (const HookSpec& hook : approach.hooks)
+            if (hook.side == side && !hook.pull.force_N) {
+                sum += hook.opening_mm;
+                ++count;
+            }
+        opening += count == 0 ? 0.0 : sum / count;
+    }
+    return opening;
 }
 
 Approach with_opening(Approach approach, double opening_mm)
 {
-    const double present = opening_of(approach);
+    const double present = asked_opening_mm(approach);
     RETRACTOR_ASSERT(present > 0.0 && opening_mm > 0.0);
     if (approach.retractor)
         approach.retractor->opening_mm = opening_mm;

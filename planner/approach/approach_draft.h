@@ -44,11 +44,12 @@ Approach approach_from_draft(Patient& patient, const Case& planned_case, const A
 /// The same approach opened by something else. @throws InputError as make_hooks() and set_retractor() do
 Approach opened_by(Approach approach, const OpenedBy& opening);
 
-/// How far the hooks or the retractor of an approach open; 0 where they pull with a force, and where there are none.
-double opening_of(const Approach& approach);
+/// How far the retractor of an approach opens, or its hooks: the mean of one lip and the mean of the other, as
+/// hook_opening(). 0 where they pull with a force, and where there are none.
+double asked_opening_mm(const Approach& approach);
 
 /// The same hooks or retractor with another opening. Hooks keep their shares of it.
-/// @pre opening_of(approach) > 0, opening_mm > 0
+/// @pre asked_opening_mm(approach) > 0, opening_mm > 0
 /// @throws InputError as check_approach() does
 Approach with_opening(Approach approach, double opening_mm);
 

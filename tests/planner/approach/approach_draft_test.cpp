@@ -71,19 +71,20 @@ namespace approach_draft_test {
         EXPECT_TRUE(spread.hooks.empty());
         EXPECT_EQ(spread.retractor->kind, "midcab");
         EXPECT_EQ(spread.retractor->opening_mm, 25.0);
-        EXPECT_EQ(opening_of(spread), 25.0);
+        EXPECT_EQ(asked_opening_mm(spread), 25.0);
         EXPECT_EQ(with_opening(spread, 30.0).retractor->opening_mm, 30.0);
         EXPECT_EQ(with_opening(spread, 30.0).retractor->kind, "midcab");
         Approach hooked = opened_by(approach, { .hooks = "2", .opening_mm = 18.0 });
-        EXPECT_EQ(opening_of(hooked), 18.0);
+        EXPECT_EQ(asked_opening_mm(hooked), 18.0);
         hooked.hooks[1].opening_mm = 3.0;
-        EXPECT_NEAR(with_opening(hooked, 36.0).hooks[0].opening_mm, 18.0, 1e-12);
-        EXPECT_NEAR(with_opening(hooked, 36.0).hooks[1].opening_mm, 6.0, 1e-12);
+        EXPECT_EQ(asked_opening_mm(hooked), 12.0);
+        EXPECT_NEAR(with_opening(hooked, 24.0).hooks[0].opening_mm, 18.0, 1e-12);
+        EXPECT_NEAR(with_opening(hooked, 24.0).hooks[1].opening_mm, 6.0, 1e-12);
         for (HookSpec& hook : hooked.hooks)
             hook.pull.force_N = 40.0;
-        EXPECT_EQ(opening_of(hooked), 0.0) << "the force decides";
+        EXPECT_EQ(asked_opening_mm(hooked), 0.0) << "the force decides";
         const Approach cut = opened_by(spread, {});
-        EXPECT_EQ(opening_of(cut), 0.0);
+        EXPECT_EQ(asked_opening_mm(cut), 0.0);
         EXPECT_FALSE(cut.retractor);
         EXPECT_TRUE(cut.hooks.empty());
         EXPECT_THROW((void)opened_by(approach, { .retractor = "none", .opening_mm = 25.0 }), InputError);

@@ -15,7 +15,9 @@
 #include <QSpinBox>
 #include <QVBoxLayout>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace retractor::ui {
 
@@ -178,7 +180,7 @@ void ApproachDialog::add_target_and_opening(QFormLayout& form, const std::vector
     opened_by_ = new QComboBox;
     opened_by_->setObjectName("opened by");
     if (asks_ == Asks::opening)
-        opened_by_->addItem("As it is", kAsItIs);
+        opened_by_->addItem("The same as now", kAsItIs);
     for (const planner::RetractorKind& kind : planner::built_in_retractors())
         opened_by_->addItem(QString::fromStdString(kind.kind + ": " + kind.meaning), QString::fromStdString(kind.kind));
     for (const HookSet& set : kHookSets)
@@ -222,9 +224,11 @@ void ApproachDialog::show_draft(const planner::ApproachDraft& draft)
     name_->setText(QString::fromStdString(draft.name));
     if (draft.opened_by.opening_mm > 0.0) {
         constexpr double kWhole = 1e-6;
-        const bool whole = std::abs(draft.opened_by.opening_mm - std::round(draft.opened_by.opening_mm)) < kWhole;
-        opening_->setDecimals(whole ? 0 : 1);
-        opening_->setValue(draft.opened_by.opening_mm);
+        const double opening = draft.opened_by.opening_mm;
+        opening_->setDecimals(std::abs(opening - std::round(opening)) < kWhole ? 0 : 1);
+        opening_->setMaximum(std::max(kWidestMm, opening));
+        opening_->setValue(opening);
+        opening_shown_mm_ = opening_->value();
     }
     target_->setCurrentIndex(target_->findData(QString::fromStdString(draft.target)));
     show_what_applies();
@@ -254,7 +258,11 @@ planner::ApproachDraft ApproachDialog::draft() const
     if (key == kNothing)
         return draft;
     if (key == kAsItIs) {
-        draft.opened_by.opening_mm = opening_->isEnabled() ? opening_->value() : 0.0;
+        // What nobody changed is not rounded as the field shows it.
+        if (opening_->isEnabled() && opening_->value() != opening_shown_mm_)
+            draft.opened_by.opening_mm = opening_->value();
+        else
+            draft.opened_by.opening_mm = shown_.opened_by.opening_mm;
         return draft;
     }
     if (key.startsWith(kHooksPrefix))

@@ -66,6 +66,7 @@ private:
     QLabel* failure_ = nullptr;
     QPushButton* accept_ = nullptr;
     bool opening_touched_ = false; ///< the user has set the opening
+    double opening_shown_mm_ = 0.0; ///< as show_draft() showed it, rounded
 };
 
 /// The labels that a surgeon may aim at: targets first, then organs; neither bones nor layers of the wall.

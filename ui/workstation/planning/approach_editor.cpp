@@ -1,6 +1,7 @@
 #include "ui/workstation/planning/approach_editor.h"
 
 #include "mesh/base/text_format.h"
+#include "planner/approach/approach_draft.h"
 #include "planner/approach/retractors.h"
 #include "planner/case/target_site.h"
 #include "ui/workstation/planning/approach_dialog.h"
@@ -18,8 +19,6 @@
 namespace retractor::ui {
 
 namespace {
-
-    constexpr double kSameMm = 1e-6; ///< an opening that nobody changed
 
     /// Length over the given points, mm.
     double length_of(const std::vector<Vec3>& points)
@@ -284,7 +283,7 @@ void ApproachEditor::change_opening()
     const std::string spoken = planner::spoken_name(approach);
     dialog->show_draft({ .name = spoken == approach.name ? approach.name : std::string(),
         .target = target,
-        .opened_by = { .opening_mm = planner::opening_of(approach) } });
+        .opened_by = { .opening_mm = planner::asked_opening_mm(approach) } });
     dialog->set_usual_name(QString::fromStdString(spoken));
     ask(
         dialog,
@@ -297,8 +296,8 @@ void ApproachEditor::change_opening()
                     changed = planner::with_target(std::move(changed), { .label = draft.target });
                 if (!keeps)
                     return planner::opened_by(std::move(changed), draft.opened_by);
-                const double present = planner::opening_of(changed), asked = draft.opened_by.opening_mm;
-                if (present > 0.0 && asked > 0.0 && std::abs(asked - present) > kSameMm)
+                const double present = planner::asked_opening_mm(changed), asked = draft.opened_by.opening_mm;
+                if (present > 0.0 && asked > 0.0 && asked != present)
                     changed = planner::with_opening(std::move(changed), asked);
                 return changed;
             };

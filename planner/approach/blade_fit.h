@@ -11,10 +11,11 @@ namespace retractor::planner {
 /// What the bones beside a wound ask of the blades.
 struct BladeFit {
     /// Turn of both blades about PatchPlace::depth, right-handed, rad: the mean of the two sides' bones, at most 15
-    /// degrees. A side counts where bone lies behind most of its blade. 0 where no side counts.
+    /// degrees. A side counts where the edge of a bone lies along three fifths of its blade or more; a bone that is cut
+    /// asks for no turn. 0 where no side counts.
     double yaw = 0.0;
-    /// Depth below the skin at which both blades meet all of the bone behind them; 0 where the blades as they are meet
-    /// most of it, and where there is none.
+    /// Depth below the skin, within the wall, at which both blades meet nine tenths of the bone behind them; 0 where
+    /// each blade as it is meets three fifths of it, and where there is none.
     double reach_mm = 0.0;
 };
 

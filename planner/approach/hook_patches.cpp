@@ -77,16 +77,16 @@ std::vector<fem::HookPatch> hook_patches(const mesh::TetMesh& wall, std::span<co
     return patches;
 }
 
-std::string_view side_of_pull(const Vec3& pull)
+std::string blade_name(const Vec3& pull)
 {
     Eigen::Index axis = 0;
     pull.cwiseAbs().maxCoeff(&axis);
     const bool positive = pull[axis] > 0.0;
     if (axis == 0)
-        return positive ? "left" : "right";
+        return positive ? "left_blade" : "right_blade";
     if (axis == 1)
-        return positive ? "back" : "front";
-    return positive ? "upper" : "lower";
+        return positive ? "back_blade" : "front_blade";
+    return positive ? "upper_blade" : "lower_blade";
 }
 
 fem::HookDrive drive_of(const HookSpec& spec)

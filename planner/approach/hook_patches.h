@@ -8,7 +8,7 @@
 #include "planner/case/approach.h"
 
 #include <span>
-#include <string_view>
+#include <string>
 #include <vector>
 
 namespace retractor::planner {
@@ -20,8 +20,9 @@ namespace retractor::planner {
 std::vector<fem::HookPatch> hook_patches(const mesh::TetMesh& wall, std::span<const mesh::LipFace> lips,
     const Approach& approach, const mesh::LabelTable& table, const fem::Supports& supports);
 
-/// Where a pull leads, by its largest component in patient LPS: "left", "right", "back", "front", "upper" or "lower".
-std::string_view side_of_pull(const Vec3& pull);
+/// "left_blade", "right_blade", "back_blade", "front_blade", "upper_blade" or "lower_blade": by the largest component
+/// of its pull, patient LPS.
+std::string blade_name(const Vec3& pull);
 
 /// The drive of a hook: its motion, force, limit and grip, as the solver takes them.
 fem::HookDrive drive_of(const HookSpec& spec);

@@ -127,7 +127,7 @@ std::vector<HookSpec> make_blades(const Approach& approach, double along_mm, dou
     const Vec3 left = left_at(approach, along_mm, width_mm);
     std::vector<HookSpec> blades;
     for (const int side : { 1, -1 }) {
-        HookSpec blade { .name = std::string(side_of_pull(side * left)) + "_blade",
+        HookSpec blade { .name = blade_name(side * left),
             .side = side,
             .along_mm = along_mm,
             .patch_width_mm = width_mm,

@@ -23,7 +23,7 @@ std::vector<HookSpec> make_hooks(
     const Approach& approach, std::string_view template_name, double opening_mm, const HookPull& pull = {});
 
 /// One rigid patch per lip, side +1 first; the two face each other. They are named by their pull, such as left_blade
-/// and right_blade (side_of_pull()), and do not move yet.
+/// and right_blade (blade_name()), and do not move yet.
 /// @param along_mm middle of the patches along the incision
 /// @param largest_depth_mm depth below the skin that the patches reach at most
 /// @throws InputError where the wall is too thin for a patch

@@ -234,10 +234,8 @@ fem::BladeFrame blade_frame_of(const Approach& approach)
     for (std::size_t k = 0; k < frame.size(); ++k) {
         const HookSpec& blade = approach.hooks[k];
         const PatchPlace place = patch_place(approach, blade);
-        // The arm lies across the rack. Along a bent incision the direction of the lip is not quite across.
-        const Vec3 arm = place.along - place.along.dot(blade.direction) * blade.direction;
         frame[k] = { .pivot = place.centre - blade.depth_mm * place.depth,
-            .arm = arm.normalized(),
+            .arm = place.along,
             .outward = blade.direction,
             .play = approach.retractor->play_deg * std::numbers::pi / 180.0 };
     }

@@ -213,7 +213,8 @@ struct IncisionPlace {
 /// @pre the incision has at least two points
 IncisionPlace incision_place(const Approach& approach, double along_mm);
 
-/// The patch of a hook on the blade: its centre, and unit vectors along the incision and into the body.
+/// The patch of a hook on the blade: its centre, and unit vectors along it and into the body. A hook lies along its
+/// piece of the incision; the straight blade of a retractor lies square to its pull.
 struct PatchPlace {
     Vec3 centre, along, depth;
 };

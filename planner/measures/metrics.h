@@ -37,6 +37,7 @@ std::string retractor_text(const FieldMetrics& field);
 
 /// A lip for people: "left lip", and with a retractor "lip at the upper blade".
 std::string lip_name(const FieldMetrics& field, int side);
+
 /// One line for people: how far each lip hangs behind its hooks or blade. Empty without hooks.
 std::string lips_text(const FieldMetrics& field);
 

@@ -4,6 +4,7 @@
 #include "fem/springs/spring_relaxation.h"
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 #include "mesh/image/skeleton.h"
 #include "planner/approach/hook_patches.h"
 #include "planner/session/planned_cuts.h"
@@ -625,6 +626,16 @@ void SurgerySession::return_hooks_to(const HookSet& then)
     });
 }
 
+namespace {
+
+    /// Whether a hook is the same, and is driven to the same place.
+    bool are_set_alike(const HookState& a, const HookState& b)
+    {
+        return a.name == b.name && a.drive.displacement == b.drive.displacement && a.drive.force_N == b.drive.force_N;
+    }
+
+} // namespace
+
 /// Makes a change of the hooks that can be undone. A change that changes nothing leaves no step.
 template <class Change>
 auto SurgerySession::hook_step(const std::string& what, const std::string& moved, const Change& change)
@@ -634,7 +645,7 @@ auto SurgerySession::hook_step(const std::string& what, const std::string& moved
         HookSet after = hook_set();
         if (before.hooks.empty() && after.hooks.empty())
             return;
-        if (moved.empty() && std::ranges::equal(before.hooks, after.hooks, {}, &HookState::name, &HookState::name))
+        if (moved.empty() && std::ranges::equal(before.hooks, after.hooks, are_set_alike))
             return;
         hook_steps_.resize(hook_steps_made_);
         const HookStep* const last = hook_step_to_undo();
@@ -1161,7 +1172,7 @@ KnifeAnswer SurgerySession::attach_retractor(const Touch& at, const RetractorKin
     std::vector<std::string> names;
     std::vector<fem::HookDrive> drives;
     for (HookPlacement& blade : blades) {
-        names.push_back(std::string(side_of_pull(blade.pull)) + " blade" + number);
+        names.push_back(readable(blade_name(blade.pull)) + number);
         drives.push_back({ .displacement = present_place(blade) });
     }
     KnifeAnswer answer = attach({ blades.begin(), blades.end() }, names, drives, false, {});
@@ -1264,8 +1275,7 @@ KnifeAnswer SurgerySession::attach_planned_hooks()
         return { false, planned.omitted }; // a retractor needs both blades
     if (approach_.retractor)
         for (std::size_t n = 0; n < planned.placements.size(); ++n) { // as a retractor's that is set by hand
-            planned.names[n]
-                = std::string(kPlannedBlade).append(side_of_pull(planned.placements[n].pull)).append(" blade");
+            planned.names[n] = std::string(kPlannedBlade) + readable(blade_name(planned.placements[n].pull));
             bear_on_bone(planned.placements[n], session_, skeleton_);
         }
     const auto there = take_out_those_there(planned, hooks().hooks);
@@ -1278,6 +1288,7 @@ KnifeAnswer SurgerySession::attach_planned_hooks()
                 if (hooks_->has(hook)) // what was attached may have taken it off
                     hooks_->plan(hook, drive);
             hooks_->pull_share(1.0);
+            answer.done = true;
         });
     join_planned_blades();
     if (answer.done && approach_.retractor && approach_.retractor->force_N)

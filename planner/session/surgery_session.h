@@ -182,7 +182,8 @@ public:
     /// Opens a retractor to a distance of its arms, as WoundHooks::crank(); does nothing when the blade is gone.
     void crank(fem::HookId blade, double opening_mm);
     /// Places the approach's hooks or retractor, with their planned displacement, force, limit and soft grip. Hooks
-    /// without a lip to hold are left out and named in the message.
+    /// without a lip to hold are left out and named in the message. Hooks that are there already, and were moved by
+    /// hand, go back to their plan.
     KnifeAnswer take_planned_hooks();
     std::size_t planned_hooks() const { return approach_.hooks.size(); }
     /// Takes what a new plan of the approach says, instead of SurgerySetup::planned_force; nothing: no force.

@@ -103,6 +103,16 @@ namespace blade_fit_test {
         EXPECT_EQ(blade_fit(wound.approach, wound.labels).yaw, 0.0);
     }
 
+    TEST(BladeFit, RibsThatCrossThePlaneOfTheBladeCountWithTheirEdges)
+    {
+        const double slope = std::tan(12.0 * kDegree);
+        const Wound wound = wound_with([&](double along, double left, double depth) {
+            const double beside = std::abs(left - along * slope); // 4 mm: at its ends the blade is 5 mm off the line
+            return depth > 15.0 && depth < 25.0 && beside > 4.0 && beside < 14.0;
+        });
+        EXPECT_NEAR(blade_fit(wound.approach, wound.labels).yaw, -12.0 * kDegree, kYawTolerance);
+    }
+
     TEST(BladeFit, WithoutBoneTheBladesStay)
     {
         const Wound wound = wound_with([](double, double, double) { return false; });

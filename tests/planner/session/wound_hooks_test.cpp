@@ -909,6 +909,10 @@ namespace wound_hooks_test {
         ASSERT_EQ(live_session.hooks().hooks.size(), 2U);
         ASSERT_EQ(live_session.hooks().retractors.size(), 1U);
         EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 12.0, 1e-9);
+        live_session.undo_step();
+        EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 0.0, 1e-9) << "one step back: shut by hand";
+        live_session.redo_step();
+        EXPECT_NEAR(live_session.hooks().retractors[0].opening_mm, 12.0, 1e-9);
     }
 
     TEST(WoundHooks, APlannedHookHoldsNoBoneBeyondACutThatMissedItsLine)

@@ -117,7 +117,7 @@ namespace palpation_window_test {
             .ways = planner::slit_before_tube(20.0) };
         window_->open_through(std::move(wound));
         test_support::wait_until_idle(*window_);
-        ASSERT_TRUE(until([&] { return window_->reach_text().contains("% of the surface"); }));
+        ASSERT_TRUE(until([&] { return window_->reach_text().contains("% of the whole surface"); }));
         EXPECT_TRUE(window_->windowTitle().contains("through the wound"));
         window_->view().picture();
         move(site());

@@ -133,6 +133,17 @@ namespace {
         return DicomKind::slices;
     }
 
+    /// True when a group of attributes of frames holds values that are no items. The library takes such values for
+    /// items.
+    bool frame_groups_damaged(vtkDICOMMetaData* data)
+    {
+        const auto damaged = [&](vtkDICOMTag tag) {
+            const vtkDICOMValue& group = data->Get(tag);
+            return group.GetNumberOfValues() > 0 && group.GetSequenceData() == nullptr;
+        };
+        return damaged(DC::PerFrameFunctionalGroupsSequence) || damaged(DC::SharedFunctionalGroupsSequence);
+    }
+
     DicomFrame read_frame(vtkDICOMMetaData* data, int index)
     {
         const auto get = [&](vtkDICOMTag tag) { return data->Get(0, index, tag); };
@@ -255,9 +266,11 @@ std::optional<DicomFile> read_dicom_tags(const fs::path& path)
     if (file.kind == DicomKind::no_image)
         return file;
     const std::optional<int> frames = frame_count(data, file.file_size);
-    if (!frames)
+    if (!frames || frame_groups_damaged(data)) {
         file.kind = DicomKind::damaged;
-    for (int frame = 0; frame < frames.value_or(0); ++frame)
+        return file;
+    }
+    for (int frame = 0; frame < *frames; ++frame)
         file.frames.push_back(read_frame(data, frame));
     return file;
 }

@@ -286,6 +286,11 @@ namespace dicom_geometry_test {
         refused(file, "the pixels are truncated: 180 bytes of 240");
         write(test_support::enhanced_ct({ 0, 3, 6 }, { 1, 1, 1 }).erase(0x52009230));
         refused(file, "frame 1 ImagePositionPatient (0020,0032)");
+        for (const std::uint32_t group : { 0x52009229U, 0x52009230U }) {
+            // The library takes the bytes of a group for items, whatever their type says.
+            write(test_support::enhanced_ct({ 0, 3, 6 }, { 1, 1, 1 }).raw(group, "OB", std::string(64, '\1')));
+            refused(file, "damaged DICOM file");
+        }
     }
 
 } // namespace dicom_geometry_test

@@ -9,6 +9,7 @@
 #include "planner/measures/metrics.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/plan/wound_view.h"
+#include "planner/wall/skin_pits.h"
 #include "planner/wall/unmeshed_wall.h"
 #include "ui/plan_scene/label_surfaces.h"
 #include "ui/scene/linked_slices.h"
@@ -288,6 +289,9 @@ TriMesh drawn_wall(planner::Patient& patient, const planner::PlannedField& field
     const mesh::MeshSizing sizing = planner::mesh_sizing_of(field.approach, patient.planned_case().label_table);
     TriMesh boundary = mesh::deformed_boundary(field.wall, displacement);
     boundary.labels = planner::drawn_labels(at_rest, *patient.labels(), sizing);
+    const mesh::LabelTable& table = patient.labels()->table;
+    if (const auto skin = std::ranges::find(table, "skin", &mesh::LabelInfo::material); skin != table.end())
+        planner::lift_pits(boundary, at_rest, *patient.body(), field.approach.incision, skin->id);
     return planner::without_rim(
         std::move(boundary), at_rest, sizing, planner::drawn_rim_width_mm(sizing.region_mm, field.approach.depth_mm));
 }

@@ -42,6 +42,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 
 namespace retractor::ui {
@@ -411,8 +412,24 @@ namespace {
         return reported;
     }
 
+    /// The names of the approaches for people, by their own names. Where two would have one name, their own stand
+    /// behind it.
+    std::map<std::string, std::string> spoken_names(const std::vector<planner::PlannedField>& fields)
+    {
+        std::map<std::string, std::string> names;
+        for (const planner::PlannedField& field : fields) {
+            const std::string spoken = planner::spoken_name(field.approach);
+            const bool shared = std::ranges::count(fields, spoken, [](const planner::PlannedField& other) {
+                return planner::spoken_name(other.approach);
+            }) > 1;
+            names[field.approach.name] = shared ? spoken + " (" + field.approach.name + ")" : spoken;
+        }
+        return names;
+    }
+
     /// Adds interactive views while the page stays small enough to be sent by mail.
-    void add_views(planner::Report& report, planner::Patient& patient, const std::vector<planner::PlannedField>& fields)
+    void add_views(planner::Report& report, planner::Patient& patient, const std::vector<planner::PlannedField>& fields,
+        const std::map<std::string, std::string>& names)
     {
         constexpr std::size_t kMostBytes = 14'000'000; // of all views; the pictures of as many fields take as much
         std::size_t bytes = 0;
@@ -422,11 +439,11 @@ namespace {
                 continue;
             std::string scene = field_view(patient, field);
             if (bytes + scene.size() > kMostBytes) {
-                without.push_back(field.metrics.name);
+                without.push_back(names.at(field.approach.name));
                 continue;
             }
             bytes += scene.size();
-            report.views.push_back({ .approach = field.metrics.name, .scene = std::move(scene) });
+            report.views.push_back({ .approach = names.at(field.approach.name), .scene = std::move(scene) });
         }
         report.viewer = field_viewer();
         if (!without.empty())
@@ -448,14 +465,19 @@ void write_field_report(const std::filesystem::path& file, planner::Patient& pat
     report.patient = formatted("Labels of %d x %d x %d voxels at %.2f x %.2f x %.2f mm, patient frame LPS.",
         labels->grid.size[0], labels->grid.size[1], labels->grid.size[2], labels->grid.spacing.x(),
         labels->grid.spacing.y(), labels->grid.spacing.z());
+    const std::map<std::string, std::string> names = spoken_names(fields);
     for (const planner::PlannedField& field : fields)
         if (planner::is_measured(field)) {
             report.fields.push_back(field.metrics);
+            report.fields.back().name = names.at(field.approach.name);
             report.divided_bones.push_back(planner::divided_bones(*labels, field.approach));
             report.landmarks.push_back(planner::theatre_sentences(patient, field.approach));
             report.neighbours.push_back(report_neighbours(patient, fields, field));
         }
     report.pictures = pictures;
+    for (planner::ReportPicture& picture : report.pictures)
+        if (const auto name = names.find(picture.approach); name != names.end())
+            picture.approach = name->second;
     try {
         report.chosen = planner::holding_choice(patient.planned_case());
     } catch (const Error& error) { // the fields are planned and drawn: a damaged record must not hold them back
@@ -463,11 +485,11 @@ void write_field_report(const std::filesystem::path& file, planner::Patient& pat
     }
     for (const planner::PlannedField& field : fields)
         if (!planner::is_measured(field))
-            report.refused.push_back(field.approach.name
+            report.refused.push_back(names.at(field.approach.name)
                 + " could not be planned: " + std::string(status_word(field.status)) + ". " + field.message);
     report.limits = report_limits(
         !patient.planned_case().supports.labels.empty(), patient.planned_case(), stiffness_limit(fields));
-    add_views(report, patient, fields);
+    add_views(report, patient, fields, names);
     planner::write_report(file, report);
 }
 

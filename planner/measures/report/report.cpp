@@ -211,7 +211,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         if (std::ranges::any_of(fields, [](const FieldMetrics& f) { return f.division.has_value(); }))
             text_row("Intercostal space divided beyond the skin",
                 [](const FieldMetrics& f) { return escaped(division_cell(f)); });
-        text_row("Held aside", [](const FieldMetrics& f) { return listed(f.retracted); });
+        text_row("Held aside", [](const FieldMetrics& f) { return readable(listed(f.retracted)); });
         const auto has = [&](auto&& list) {
             return std::any_of(fields.begin(), fields.end(), [&](const FieldMetrics& f) { return !list(f).empty(); });
         };
@@ -219,11 +219,11 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             text_row("Removed", [](const FieldMetrics& f) {
                 std::vector<std::string> words;
                 for (const RemovedTissue& tissue : f.removed)
-                    words.push_back(in_words(1e-3 * tissue.volume_mm3, 2) + " cm3 of " + tissue.label);
+                    words.push_back(in_words(1e-3 * tissue.volume_mm3, 2) + " cm3 of " + readable(tissue.label));
                 return listed(words);
             });
         if (has([](const FieldMetrics& f) { return f.loose_pieces; }))
-            text_row("Loose pieces", [](const FieldMetrics& f) { return listed(f.loose_pieces); });
+            text_row("Loose pieces", [](const FieldMetrics& f) { return readable(listed(f.loose_pieces)); });
         text_row("Mechanics", [](const FieldMetrics& f) {
             const bool good = is_solved(f) && f.inverted_elements == 0;
             return std::string(good ? "<span>" : "<span class=\"bad\">") + escaped(f.mechanics_status) + "; inverted "
@@ -260,24 +260,25 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         double largest = 0.0;
         for (const FieldMetrics& field : fields)
             largest = std::max(largest, metric.of(field) + bar(field));
-        const auto wide = [&](double v) { return largest > 0.0 ? 250.0 * std::max(v, 0.0) / largest : 0.0; };
-        const std::size_t height = 44 + 34 * fields.size();
+        constexpr double kLeft = 12.0, kLongest = 390.0; // of the bars, with room for the number
+        const auto wide = [&](double v) { return largest > 0.0 ? kLongest * std::max(v, 0.0) / largest : 0.0; };
+        const std::size_t height = 40 + 50 * fields.size();
         out << "<svg viewBox=\"0 0 560 " << height << "\" role=\"img\" aria-label=\"" << metric.caption
             << "\"><text x=\"12\" y=\"26\" font-size=\"16\" font-weight=\"700\">" << metric.caption << "</text>";
         for (std::size_t i = 0; i < fields.size(); ++i) {
             const double v = metric.of(fields[i]), off = bar(fields[i]);
-            const std::size_t y = 40 + 34 * i;
-            out << "<text x=\"12\" y=\"" << y + 19 << "\" font-size=\"14\">" << escaped(fields[i].name)
-                << "</text><rect x=\"150\" y=\"" << y << "\" width=\"" << in_words(wide(v), 1)
-                << "\" height=\"26\" fill=\"#3a7ca5\"/>";
+            const std::size_t y = 58 + 50 * i; // the name stands above its bar
+            out << "<text x=\"12\" y=\"" << y - 7 << "\" font-size=\"14\">" << escaped(fields[i].name)
+                << "</text><rect x=\"12\" y=\"" << y << "\" width=\"" << in_words(wide(v), 1)
+                << "\" height=\"22\" fill=\"#3a7ca5\"/>";
             if (off > 0.0) {
-                const std::string from = in_words(150.0 + wide(v - off), 1), to = in_words(150.0 + wide(v + off), 1);
-                out << "<path class=\"whisker\" d=\"M" << from << " " << y + 13 << "H" << to << "M" << from << " "
-                    << y + 7 << "v12M" << to << " " << y + 7 << "v12\" stroke=\"#1c2733\" stroke-width=\"2\"/>";
+                const std::string from = in_words(kLeft + wide(v - off), 1), to = in_words(kLeft + wide(v + off), 1);
+                out << "<path class=\"whisker\" d=\"M" << from << " " << y + 11 << "H" << to << "M" << from << " "
+                    << y + 5 << "v12M" << to << " " << y + 5 << "v12\" stroke=\"#1c2733\" stroke-width=\"2\"/>";
             }
-            out << "<text x=\"" << in_words(158.0 + wide(v + off), 1) << "\" y=\"" << y + 19 << "\" font-size=\"14\">"
-                << metric_text(metric, v) << (off > 0.0 ? " &#177; " + metric_text(metric, off) : std::string())
-                << "</text>";
+            out << "<text x=\"" << in_words(kLeft + 8.0 + wide(v + off), 1) << "\" y=\"" << y + 16
+                << "\" font-size=\"14\">" << metric_text(metric, v)
+                << (off > 0.0 ? " &#177; " + metric_text(metric, off) : std::string()) << "</text>";
         }
         out << "</svg>";
     }

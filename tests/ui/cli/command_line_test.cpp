@@ -352,7 +352,7 @@ TEST_F(CommandLine, SavedPlansAreDrawnAndComparedWithoutPlanningAgain)
     EXPECT_EQ(alone.exit_code, 2);
     EXPECT_NE(alone.error().find("a comparison needs two planned approaches, and the case has 0"), std::string::npos);
     ASSERT_EQ(run("approach add " + file
-                  + " --name wider --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --retract cavity --hooks 2 "
+                  + " --name drawn --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --retract cavity --hooks 2 "
                     "--opening 24")
                   .exit_code,
         0);
@@ -362,18 +362,22 @@ TEST_F(CommandLine, SavedPlansAreDrawnAndComparedWithoutPlanningAgain)
     const CommandRun plan = run("plan " + file + " --render --out " + out("saved_plan"));
     ASSERT_EQ(plan.exit_code, 0) << plan.out;
     EXPECT_NE(
-        plan.out.find("saved with the case, for retractor render and the window: straight, wider"), std::string::npos)
+        plan.out.find("saved with the case, for retractor render and the window: straight, drawn"), std::string::npos)
         << plan.out;
+    std::ifstream report(folder / "saved_plan" / "report.html");
+    const std::string page { std::istreambuf_iterator<char>(report), {} };
+    EXPECT_NE(page.find("<h2>straight</h2>"), std::string::npos) << "a name of its own";
+    EXPECT_NE(page.find("<h2>Drawn incision</h2>"), std::string::npos) << "as surgeons call it";
     const CommandRun render
         = run("--json --profile render " + file + " --views surgeon,overview --out " + out("saved_render"));
     ASSERT_EQ(render.exit_code, 0) << render.out;
-    EXPECT_TRUE(render.json().at("saved_plans").contains("wider"));
+    EXPECT_TRUE(render.json().at("saved_plans").contains("drawn"));
     EXPECT_FALSE(parts_of(render.json()).count("factorisation"));
     const auto bytes = [](const fs::path& picture) {
         std::ifstream in(picture, std::ios::binary);
         return std::string(std::istreambuf_iterator<char>(in), {});
     };
-    for (const char* picture : { "straight-surgeon.png", "straight-overview.png", "wider-surgeon.png" })
+    for (const char* picture : { "straight-surgeon.png", "straight-overview.png", "drawn-surgeon.png" })
         EXPECT_TRUE(bytes(folder / "saved_render" / picture) == bytes(folder / "saved_plan" / picture)) << picture;
 
     const CommandRun compared = run("compare " + file);
@@ -402,10 +406,10 @@ TEST_F(CommandLine, SavedPlansAreDrawnAndComparedWithoutPlanningAgain)
             EXPECT_EQ(row.at("values").at(n), fields.at(n).at("seen_best_eye"));
     }
     // The block has no ribs, so that neighbours lie along the incision only.
-    const CommandRun beside = run("--json compare " + file + " --neighbours --approach wider --draft --keep");
+    const CommandRun beside = run("--json compare " + file + " --neighbours --approach drawn --draft --keep");
     ASSERT_EQ(beside.exit_code, 0) << beside.out;
     const Json group = beside.json().at("neighbours").at(0);
-    EXPECT_EQ(group.at("of"), "wider");
+    EXPECT_EQ(group.at("of"), "drawn");
     EXPECT_EQ(group.at("approaches").size() + group.at("missing").size(), 3u);
     EXPECT_GE(group.at("approaches").size(), 2u);
     EXPECT_TRUE(group.at("ranking").at(0).at("bar").is_null()) << "a draft has no error bars";
@@ -413,7 +417,7 @@ TEST_F(CommandLine, SavedPlansAreDrawnAndComparedWithoutPlanningAgain)
         run("approach list " + file).out.find(beside.json().at("kept").at(0).get<std::string>()), std::string::npos);
 
     ASSERT_EQ(run("approach remove " + file + " --name straight").exit_code, 0);
-    ASSERT_EQ(run("hooks " + file + " --approach wider --template 2 --opening 22").exit_code, 0);
+    ASSERT_EQ(run("hooks " + file + " --approach drawn --template 2 --opening 22").exit_code, 0);
     EXPECT_EQ(run("compare " + file).exit_code, 2) << "no plan is of what the case holds now";
 }
 

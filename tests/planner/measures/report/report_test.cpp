@@ -446,8 +446,8 @@ namespace report_test {
             .yielded = true };
         field.error->hook_moved_mm[1] = 0.7;
         const std::string html = html_of({ field });
-        // 40 mm +- 2: the longest reaches 250 px from x = 150 on at 42 mm.
-        EXPECT_NE(html.find("class=\"whisker\" d=\"M376.2 53H400.0"), std::string::npos);
+        // 40 mm +- 2: the longest reaches 390 px from x = 12 on at 42 mm.
+        EXPECT_NE(html.find("class=\"whisker\" d=\"M364.9 69H402.0"), std::string::npos);
         EXPECT_NE(html.find("<td>Hooks that yielded</td><td>left 2 at 12.5 N: 20.0 &plusmn; 0.7 of 30.0 mm</td>"),
             std::string::npos);
     }

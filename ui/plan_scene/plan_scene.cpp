@@ -380,8 +380,10 @@ std::vector<Scene> slice_scenes(planner::Patient& patient, const planner::Approa
 {
     const std::map<Label, Color> outlines = outlines_of(patient, approach.target);
     std::vector<Scene> scenes = slice_scenes(patient, approach.target, outlines);
-    for (Scene& scene : scenes)
+    for (Scene& scene : scenes) {
+        scene.title += ", incision projected"; // it lies in the plane only where it crosses it
         scene.lines.push_back(projected_incision(approach, scene.slices.front().plane, scene.slices.front().point));
+    }
     return scenes;
 }
 

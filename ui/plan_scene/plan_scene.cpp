@@ -83,7 +83,32 @@ namespace {
         return item;
     }
 
-    /// Adds the wall beyond the model and the organs that stay in place: what blocks the rays of the exposure, too.
+    /// Adds the organs that stay in place, and deflated lungs where they go.
+    void add_organs(Scene& scene, planner::Patient& patient, const planner::Approach& approach)
+    {
+        for (const mesh::LabelInfo& info : patient.planned_case().label_table) {
+            const planner::TargetSpec& target = approach.target;
+            const bool is_target = info.name == target.label;
+            if ((is_target && !target.is_site()) || !planner::stays_in_place(info, approach, patient))
+                continue;
+            SurfaceItem organ;
+            organ.name = name_in_picture(patient.planned_case(), info.name);
+            organ.mesh = patient.organ(info.name);
+            if (is_target)
+                organ.mesh = std::make_shared<const TriMesh>(planner::surface_beside_site(*organ.mesh, target));
+            organ.look = organ_look(info.name, info.material);
+            if (!planner::blocks_view(info, approach, patient))
+                organ.opacity = kOperatedOpacity;
+            scene.surfaces.push_back(std::move(organ));
+        }
+        for (planner::DeflatedLung& lung : planner::deflated_lungs(approach, patient))
+            scene.surfaces.push_back(
+                { .name = readable(name_in_picture(patient.planned_case(), lung.label)) + ", deflated",
+                    .mesh = std::make_shared<const TriMesh>(std::move(lung.surface)),
+                    .look = organ_look(lung.label, lung.material) });
+    }
+
+    /// Adds the wall beyond the model and the organs: what blocks the rays of the exposure, too.
     void add_remaining_anatomy(Scene& scene, planner::Patient& patient, const planner::PlannedField& field)
     {
         const mesh::LabelTable& table = patient.planned_case().label_table;
@@ -99,26 +124,7 @@ namespace {
                 .mesh = end,
                 .look = { kImageEnd, Finish::matte, 0.0 },
                 .smooth = false });
-        for (const mesh::LabelInfo& info : table) {
-            const planner::TargetSpec& target = field.approach.target;
-            const bool is_target = info.name == target.label;
-            if ((is_target && !target.is_site()) || !planner::stays_in_place(info, field.approach, patient))
-                continue;
-            SurfaceItem organ;
-            organ.name = name_in_picture(patient.planned_case(), info.name);
-            organ.mesh = patient.organ(info.name);
-            if (is_target)
-                organ.mesh = std::make_shared<const TriMesh>(planner::surface_beside_site(*organ.mesh, target));
-            organ.look = organ_look(info.name, info.material);
-            if (!planner::blocks_view(info, field.approach, patient))
-                organ.opacity = kOperatedOpacity;
-            scene.surfaces.push_back(std::move(organ));
-        }
-        for (planner::DeflatedLung& lung : planner::deflated_lungs(field.approach, patient))
-            scene.surfaces.push_back(
-                { .name = readable(name_in_picture(patient.planned_case(), lung.label)) + ", deflated",
-                    .mesh = std::make_shared<const TriMesh>(std::move(lung.surface)),
-                    .look = organ_look(lung.label, lung.material) });
+        add_organs(scene, patient, field.approach);
     }
 
     void add_hooks(Scene& scene, const planner::PlannedField& field)
@@ -555,6 +561,7 @@ Scene knife_surroundings(planner::Patient& patient, const planner::Approach& app
     glow.opacity = kGlow;
     glow.on_top = true;
     scene.surfaces.push_back(std::move(glow));
+    add_organs(scene, patient, approach);
     scene.lines.push_back(incision_line(approach, false));
     scene.camera = outside_camera(patient, approach);
     return scene;

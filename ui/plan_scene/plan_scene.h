@@ -79,8 +79,8 @@ std::vector<Scene> patient_slices(planner::Patient& patient);
 /// The patient before any cut, with the incision on the skin and the target shining through.
 Scene planning_scene(planner::Patient& patient, const planner::Approach& approach);
 
-/// The surroundings of a wall that the knife cuts: the planned incision on the skin and, shining through the wall, the
-/// target. The scene contains neither the wall nor the body outside it.
+/// The surroundings of a wall that the knife cuts: the planned incision on the skin, the organs behind the wall as in a
+/// plan and, shining through the wall, the target. The scene contains neither the wall nor the body outside it.
 Scene knife_surroundings(planner::Patient& patient, const planner::Approach& approach);
 
 /// The body outside the wall that is meshed for an approach, at rest, with fewer triangles; see unmeshed_wall_region().

@@ -55,6 +55,8 @@ void apply_theme(QApplication& application)
         palette.setColor(role, text);
         palette.setColor(QPalette::Disabled, role, faint);
     }
+    // The style draws disabled entries of menus twice, the second time in this colour: that of the menu hides it.
+    palette.setColor(QPalette::Disabled, QPalette::Light, QColor(0x1f, 0x24, 0x28));
     QApplication::setPalette(palette);
     QFont font = QApplication::font();
     font.setPointSizeF(10.0);

@@ -9,6 +9,7 @@
 #include "ui/workstation/view/png_file.h"
 #include "ui/workstation/view/theme.h"
 
+#include <QApplication>
 #include <QCheckBox>
 #include <QDoubleSpinBox>
 #include <QFileDialog>
@@ -184,7 +185,8 @@ void PalpationWindow::make_actions()
     add(file, "Open scene…", QKeySequence::Open, [this] { ask_for_scene(); });
     add(file, "Record or stop", Qt::Key_R, [this] { record_or_stop(); });
     file->addSeparator();
-    add(file, "Quit", QKeySequence::Quit, [this] { close(); });
+    add(file, "Close", QKeySequence("Ctrl+W"), [this] { close(); });
+    add(file, "Quit", QKeySequence::Quit, [this] { QApplication::closeAllWindows(); });
     for (std::size_t f = 0; f < planner::kMostFingers; ++f)
         add(fingers, QString("Select finger %1").arg(f + 1), QKeySequence(Qt::Key_1 + static_cast<int>(f)),
             [this, f] { take_finger(f); });

@@ -95,7 +95,7 @@ namespace {
         section.rows.push_back(
             { "Bone in sight", joined(planner::bones_in_sight(field)), "Bones that block the view of the target." });
         section.rows.push_back(
-            { "Held aside", joined(field.retracted), "Organs that are held aside in this approach." });
+            { "Held aside", readable(joined(field.retracted)), "Organs that are held aside in this approach." });
         for (std::size_t i = 0; i < std::min<std::size_t>(3, field.best_eye.hidden_by.size()); ++i)
             section.rows.push_back(
                 { "Hidden by " + readable(field.best_eye.hidden_by[i].name), percent(field.best_eye.hidden_by[i].share),
@@ -151,6 +151,10 @@ namespace {
                         + ". One standard deviation of the tissues' published values."
                                          : planner::parameter_text(field) + "." });
         }
+    }
+
+    void add_bone_stiffness(MetricSection& section, const planner::FieldMetrics& field)
+    {
         if (const std::string stiffness = planner::bone_stiffness_text(field); !stiffness.empty())
             section.rows.push_back({ "Stiffness of bones", stiffness,
                 "Young's moduli of the ribs and cartilages in the wall; the report has a table." });
@@ -191,8 +195,9 @@ namespace {
     {
         MetricSection section { "Force and strain", {} };
         add_rows(section, field, planner::MetricGroup::force);
-        add_parameters(section, field);
+        add_parameters(section, field); // these two go on with the force, with "..."
         add_moments(section, field);
+        add_bone_stiffness(section, field);
         add_rows(section, field, planner::MetricGroup::strain);
         if (field.strain_p99_at) {
             const Vec3& at = *field.strain_p99_at;

@@ -139,9 +139,9 @@ void ApproachEditor::add_from_template()
             };
         },
         [this](planner::Approach approach) {
-            const QString name = QString::fromStdString(approach.name);
+            const QString name = QString::fromStdString(planner::spoken_name(approach));
             model_->add_approach(std::move(approach));
-            changed("Added " + name);
+            changed("Added: " + name);
         });
 }
 
@@ -247,10 +247,10 @@ void ApproachEditor::finish()
             };
         },
         [this](planner::Approach approach) {
-            const QString name = QString::fromStdString(approach.name);
+            const QString name = QString::fromStdString(planner::spoken_name(approach));
             model_->add_approach(std::move(approach));
             end_drawing();
-            changed("Added " + name);
+            changed("Added: " + name);
         });
 }
 
@@ -377,10 +377,10 @@ void ApproachEditor::duplicate()
         return;
     planner::Approach copy = model_->approach(*model_->selected());
     copy.name = planner::free_approach_name(model_->planned_case(), copy.name);
-    const QString name = QString::fromStdString(copy.name);
+    const QString name = QString::fromStdString(planner::spoken_name(copy));
     try {
         model_->add_approach(std::move(copy));
-        changed("Added " + name);
+        changed("Added: " + name);
     } catch (...) {
         on_failure(current_failure());
     }
@@ -399,8 +399,8 @@ void ApproachEditor::add_with_retractor(const std::string& kind, double opening_
         cranked.opening_mm = std::round(opening_mm); // nobody sets tenths of a millimetre
         planner::Approach added = planner::with_retractor_at(from, std::move(cranked), at);
         added.name = planner::free_approach_name(model_->planned_case(), added.name);
-        const QString message = QString::fromStdString(
-            formatted("Added %s, opened by %.0f mm", added.name.c_str(), added.retractor->opening_mm));
+        const QString message = QString::fromStdString(formatted(
+            "Added: %s, opened by %.0f mm", planner::spoken_name(added).c_str(), added.retractor->opening_mm));
         model_->add_approach(std::move(added));
         changed(message);
     } catch (...) {

@@ -117,18 +117,21 @@ namespace {
     }
 
     /// A remark when only the tissue near the wound is computed well; otherwise empty.
-    QString rough_remark(const planner::HookReport& report)
+    QString rough_remark(const planner::HookReport& report, bool is_planned)
     {
-        return report.hooks.empty() || !(report.rough_forces || report.linear_only)
-            ? QString()
-            : QString("⚠ Do not rely on these forces: more of the wall moves than is computed well here. Plan the "
-                      "approach for better ones.");
+        if (report.hooks.empty() || !(report.rough_forces || report.linear_only))
+            return {};
+        return is_planned
+            ? "⚠ Do not rely on these forces: more of the wall moves than is computed well here. Those of the plan "
+              "count."
+            : "⚠ Do not rely on these forces: more of the wall moves than is computed well here. Plan the approach for "
+              "better ones.";
     }
 
     QString remarks(const planner::HookReport& report, const std::optional<planner::PlannedForce>& plan)
     {
         QStringList said { meeting_remark(report), overlap_remark(report), force_remark(report), strain_remark(report),
-            are_as_planned(report, plan) ? QString() : rough_remark(report) };
+            are_as_planned(report, plan) ? QString() : rough_remark(report, plan.has_value()) };
         said.removeAll({});
         return said.join('\n');
     }
@@ -167,12 +170,14 @@ namespace {
             .arg(forces);
     }
 
-    /// "Plan: 108 N (75 to 142 N) at 30 mm; forces at other openings are in proportion".
+    /// "Plan: 108 N (75 to 142 N) at 30 mm; all forces by hand are scaled by one factor, so that they meet it there".
     QString planned_force_text(const planner::PlannedForce& plan, bool matched)
     {
-        return QString(matched ? "Plan: %1 N (%2 to %3 N) at %4 mm; forces at other openings are in proportion"
-                               : "Plan: %1 N (%2 to %3 N) at %4 mm; not matched: forces by hand may be off by two or "
-                                 "three times")
+        return QString(matched
+                ? "Plan: %1 N (%2 to %3 N) at %4 mm; all forces by hand are scaled by one factor, so that "
+                  "they meet it there"
+                : "Plan: %1 N (%2 to %3 N) at %4 mm; not matched: forces by hand may be off by two or "
+                  "three times")
             .arg(plan.force_N, 0, 'f', 0)
             .arg(std::max(0.0, plan.force_N - plan.bar_N), 0, 'f', 0)
             .arg(plan.force_N + plan.bar_N, 0, 'f', 0)

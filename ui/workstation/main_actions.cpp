@@ -189,6 +189,8 @@ void MainWindow::make_view_actions(QMenu& menu)
         "Measure an area on slices or on the skin: click its corners",
         [this] { set_measuring(measure_area_->isChecked(), true); });
     measure_area_->setCheckable(true);
+    forget_measurements_ = add_action(menu, "Remove the measurements", {}, "Remove all distances, angles and areas",
+        [this] { forget_measurements(); });
     correct_ = add_action(menu, "Correct labels", Qt::Key_C, "Paint, erase and rename labels on the slices",
         [this] { correct_labels(); });
     menu.addSeparator();

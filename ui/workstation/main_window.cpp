@@ -620,6 +620,7 @@ void MainWindow::undo()
         model_->unmeasure();
         show_again([](const Scene&) { return true; });
         show_undo();
+        forget_measurements_->setEnabled(model_->has_measurements());
     } else if (knife_->snapshot() != nullptr) {
         knife_->run(planner::surgery::Undo {});
     } else if (model_ && model_->edit_to_undo()) {
@@ -1179,6 +1180,7 @@ void MainWindow::show_actions()
     finish_->setEnabled(editor_->drawing() || measuring_area_);
     questions_->setEnabled(any);
     for (QAction* action : { change_, duplicate_, neighbours_, remove_, choose_ })
+    forget_measurements_->setEnabled(model_ && model_->has_measurements());
         action->setEnabled(any && !editor_->drawing());
     site_->setEnabled(any && model_->slice_place().has_value() && !editor_->drawing()
         && (model_->view() == ViewPreset::slices || model_->shown_state().slice_point));
@@ -1295,6 +1297,15 @@ void MainWindow::measure_at(const QPointF& at)
     }
     if (!place)
         return show_message(in_space ? "Click on the skin." : "Click on a slice.");
+void MainWindow::forget_measurements()
+{
+    if (!model_)
+        return;
+    model_->forget_measurements();
+    show_again([](const Scene&) { return true; });
+    show_all();
+}
+
     const std::string text = measuring_area_ ? model_->measure_area(*place) : model_->measure(*place);
     show_again([](const Scene&) { return true; });
     show_message(!text.empty() ? QString::fromStdString(text)

@@ -282,6 +282,7 @@ private:
     void finish();
     void measure_at(const QPointF& at);
     void show_again(const std::function<bool(const Scene&)>& which);
+    void forget_measurements();
     void set_grey_window(std::size_t index);
     bool slices_shown() const;
     void show_slices();
@@ -348,9 +349,9 @@ private:
             *notes_action_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *compare_ = nullptr,
-            *measure_ = nullptr, *measure_area_ = nullptr, *large_ = nullptr, *straight_optics_ = nullptr,
-            *oblique_optics_ = nullptr, *correct_ = nullptr, *confer_ = nullptr, *linked_ = nullptr,
-            *reset_view_ = nullptr;
+            *measure_ = nullptr, *measure_area_ = nullptr, *forget_measurements_ = nullptr, *large_ = nullptr,
+            *straight_optics_ = nullptr, *oblique_optics_ = nullptr, *correct_ = nullptr, *confer_ = nullptr,
+            *linked_ = nullptr, *reset_view_ = nullptr;
     QActionGroup *label_looks_ = nullptr, *presenter_keys_ = nullptr, *maps_ = nullptr, *wall_looks_ = nullptr,
                  *cut_sides_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,

@@ -274,6 +274,7 @@ public:
     std::string measure_area(const Vec3& corner);
     /// What is measured next is another one.
     void end_measurement() { measurement_ended_ = true; }
+    void forget_measurements() { measurements_.clear(); }
     /// Takes the last place back. @return false when there is none
     bool unmeasure();
     bool has_measurements() const { return !measurements_.empty(); }

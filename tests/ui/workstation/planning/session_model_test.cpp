@@ -384,6 +384,13 @@ namespace session_model_test {
         EXPECT_FALSE(model.unmeasure());
         EXPECT_FALSE(model.has_measurements());
         EXPECT_EQ(words_of(3), 0U);
+        model.measure({ 3.0, 4.0, 5.0 });
+        model.measure({ 6.0, 8.0, 5.0 });
+        model.end_measurement();
+        model.measure({ 1.0, 1.0, 1.0 });
+        model.forget_measurements();
+        EXPECT_FALSE(model.has_measurements());
+        EXPECT_EQ(words_of(3), 0U);
     }
 
     TEST(SessionModel, WhatIsShownChangesOnlyWhenThePictureDoes)

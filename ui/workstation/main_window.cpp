@@ -920,6 +920,8 @@ void MainWindow::set_view(ViewPreset view)
 
 void MainWindow::plan_selected()
 {
+    if (knife_tab_open() && !is_drawn_on(view))
+        tabs_->setCurrentWidget(panel_); // the wound by hand is seen in space only
     if (!model_ || !model_->selected())
         return;
     clear_error();
@@ -1391,8 +1393,14 @@ Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& sour
     const bool in_space = view_->scenes().size() == 1 && view_->scenes().front().slices.empty();
     if (in_space && shown_.pictures != nullptr && shown_.view == source.view && shown_.approach == source.approach)
         scene.camera = view_->camera();
-    else if (source.view == ViewPreset::surgeon)
-        scene.camera = surgeon_camera(model_->approach(*model_->selected()), scene.camera.up);
+    else if (source.view == ViewPreset::surgeon) {
+        const auto& field = model_->shown_state().field;
+        const planner::SurgerySnapshot* const wound = knife_->snapshot();
+        const bool is_open = wound != nullptr && !wound->hooks.hooks.empty();
+        scene.camera = field != nullptr && is_open // the eye that sees most of the target
+            ? field->surgeon.camera
+            : surgeon_camera(model_->approach(*model_->selected()), scene.camera.up);
+    }
     return scene;
 }
 

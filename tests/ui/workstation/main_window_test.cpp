@@ -749,6 +749,13 @@ namespace main_window_test {
         open_synthetic();
         PictureView& view = window_.view();
         ASSERT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, test_support::kPatienceMs));
+        press(Qt::Key_K);
+        test_support::wait_until_idle(window_);
+        ASSERT_EQ(window_.view().scenes().size(), 1U);
+        press(Qt::Key_3);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(tabs->currentIndex(), 0) << "the wound by hand is seen in space only";
+        EXPECT_EQ(window_.view().scenes().size(), 4U);
         const int pictures = view.pictures();
         const double before = (view.camera().eye - view.camera().aim).norm();
         constexpr int kNotches = 5;

@@ -304,6 +304,18 @@
         <translation>断面または皮膚の上で距離と角度を測る</translation>
     </message>
     <message>
+        <source>Remove the measurements</source>
+        <translation>計測を消去</translation>
+    </message>
+    <message>
+        <source>Remove all distances, angles and areas</source>
+        <translation>距離、角度、面積をすべて消す</translation>
+    </message>
+    <message>
+        <source>The palpation was cancelled.</source>
+        <translation>触診を取り消しました。</translation>
+    </message>
+    <message>
         <source>Measure an area</source>
         <translation>面積を計測</translation>
     </message>
@@ -1086,6 +1098,10 @@
     <message>
         <source>⚠ The lips overlap by up to %1 mm. This view computes no contact between the lips; a plan with contact does.</source>
         <translation>⚠ 創縁が最大 %1 mm 重なっています。ここでは創縁どうしの接触を計算しません。接触つきの計画では計算します。</translation>
+    </message>
+    <message>
+        <source>⚠ Do not rely on these forces: more of the wall moves than is computed well here. Those of the plan count.</source>
+        <translation>⚠ この力を当てにしないでください。ここで正しく計算できる範囲より広く体壁が動いています。計画の力を使ってください。</translation>
     </message>
     <message>
         <source>⚠ Do not rely on these forces: more of the wall moves than is computed well here. Plan the approach for better ones.</source>
@@ -2056,6 +2072,10 @@
         <translation>標的に合う肋間</translation>
     </message>
     <message>
+        <source>Added: %1</source>
+        <translation>加えました：%1</translation>
+    </message>
+    <message>
         <source>Added %1</source>
         <translation>加えました：%1</translation>
     </message>
@@ -2124,8 +2144,8 @@
         <translation>標的は%1です</translation>
     </message>
     <message>
-        <source>Added %1, opened by %2 mm%3</source>
-        <translation>加えました：%1、開き %2 mm%3</translation>
+        <source>Added: %1, opened by %2 mm</source>
+        <translation>加えました：%1、開き %2 mm</translation>
     </message>
     <message>
         <source>There is nothing to add beside %1</source>
@@ -2500,8 +2520,8 @@
         <translation>計画：%4 mm で %1 N（%2 〜 %3 N）。補正なし：手動操作の力は 2 〜 3 倍ずれることがあります</translation>
     </message>
     <message>
-        <source>Plan: %1 N (%2 to %3 N) at %4 mm; forces at other openings are in proportion</source>
-        <translation>計画：%4 mm で %1 N（%2 〜 %3 N）。ほかの開き幅での力はこれに比例</translation>
+        <source>Plan: %1 N (%2 to %3 N) at %4 mm; all forces by hand are scaled by one factor, so that they meet it there</source>
+        <translation>計画：%4 mm で %1 N（%2 〜 %3 N）。手による力はすべて、そこで計画と一致するよう同じ係数を掛けています</translation>
     </message>
     <message>
         <source>Score %1, the highest, within the error</source>
@@ -4582,6 +4602,18 @@
     <message>
         <source>distance from the target</source>
         <translation>標的からの距離</translation>
+    </message>
+    <message>
+        <source>axial, incision projected</source>
+        <translation>横断、切開を投影</translation>
+    </message>
+    <message>
+        <source>coronal, incision projected</source>
+        <translation>冠状断、切開を投影</translation>
+    </message>
+    <message>
+        <source>sagittal, incision projected</source>
+        <translation>矢状断、切開を投影</translation>
     </message>
     <message>
         <source>axial</source>

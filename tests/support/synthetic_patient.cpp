@@ -321,7 +321,9 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
     };
     backend.write_report = [control](const ui::PlanningBackend::Shown&, const std::filesystem::path& file,
                                const Job& job) { return write_held(*control, file, "report", job); };
-    backend.palpate_through = [](const planner::Approach& approach, const Job&) {
+    backend.palpate_through = [control](const planner::Approach& approach, const Job& job) {
+        while (control->hold && !job.cancelled())
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
         if (approach.name == "lateral")
             throw InputError("its plan is not saved beside the case: plan it again", "approach " + approach.name);
         ui::ShownWound wound;

@@ -17,7 +17,7 @@ planner::Case synthetic_case();
 
 /// Controls of the test while the window works, and counts of the backend's calls.
 struct SyntheticControl {
-    std::atomic<bool> hold { false }; ///< plans wait until this is false or they are cancelled
+    std::atomic<bool> hold { false }; ///< plans and palpations wait until this is false or they are cancelled
     std::filesystem::path cuts_folder; ///< folder for cuts by hand; empty: cuts are not kept
     std::set<std::string> saved_plans; ///< approaches with a plan of an earlier session; of "broken" it is damaged
     std::atomic<bool> incision_slices { false }; ///< approaches have a slice across the incision

@@ -851,52 +851,60 @@ void MainWindow::open_file(const std::filesystem::path& path)
     });
 }
 
-void MainWindow::palpate(const std::string& structure)
+/// Makes a palpable tissue beside the case. What `task` returns runs in the window's thread, unless one cancels.
+void MainWindow::prepare_palpation(const QString& message, std::function<std::function<void()>(const Job&)> task)
 {
     ++reading_;
-    clear_error();
-    show_message(QString("Preparing %1 for palpation …").arg(QString::fromStdString(structure)));
-    reading_executor_.post([this, structure, patient_case = model_->planned_case()](const Job&) {
+    ++palpations_prepared_;
+    show_message(message);
+    show_all();
+    reading_executor_.post([this, task = std::move(task)](const Job& job) {
+        std::function<void()> deliver;
         try {
+            deliver = task(job);
+        } catch (...) {
+            deliver = [this, failure = with_controls(current_failure())] { show_error(failure); };
+        }
+        if (job.cancelled())
+            deliver = [this] { show_message("The palpation was cancelled."); };
+        post_back([this, deliver] {
+            --reading_;
+            --palpations_prepared_;
+            clear_error();
+            show_all();
+            deliver();
+        });
+    });
+}
+
+void MainWindow::palpate(const std::string& structure)
+{
+    prepare_palpation(QString("Preparing %1 for palpation …").arg(QString::fromStdString(structure)),
+        [this, structure, patient_case = model_->planned_case()](const Job& job) -> std::function<void()> {
             planner::Patient patient(patient_case);
             planner::PalpableRequest request;
             request.structure = { structure };
-            auto made = std::make_shared<planner::Palpable>(planner::make_palpable(patient, request));
-            post_back([this, made] {
-                --reading_;
-                clear_error();
-                show_all();
+            auto made = std::make_shared<planner::Palpable>(planner::make_palpable(patient, request, job));
+            return [this, made] {
                 if (on_palpable)
                     on_palpable(std::move(*made));
-            });
-        } catch (...) {
-            reading_failed(with_controls(current_failure()));
-        }
-    });
+            };
+        });
 }
 
 void MainWindow::palpate_through_wound()
 {
     if (!palpate_through_->isEnabled())
         return;
-    const planner::Approach approach = model_->approach(*model_->selected());
-    ++reading_;
-    clear_error();
-    show_message("Preparing the target for palpation through the wound …");
-    reading_executor_.post([this, make = backend_.palpate_through, approach](const Job& job) {
-        try {
+    prepare_palpation("Preparing the target for palpation through the wound …",
+        [this, make = backend_.palpate_through, approach = model_->approach(*model_->selected())](
+            const Job& job) -> std::function<void()> {
             auto made = std::make_shared<ShownWound>(make(approach, job));
-            post_back([this, made] {
-                --reading_;
-                clear_error();
-                show_all();
+            return [this, made] {
                 if (on_palpable_wound)
                     on_palpable_wound(std::move(*made));
-            });
-        } catch (...) {
-            reading_failed(with_controls(current_failure()));
-        }
-    });
+            };
+        });
 }
 
 void MainWindow::select(const std::string& approach)
@@ -912,6 +920,8 @@ void MainWindow::set_view(ViewPreset view)
         return;
     if (labels_->active() && view != ViewPreset::slices)
         tabs_->setCurrentWidget(panel_); // the mouse is the brush's no more
+    if (knife_tab_open() && !is_drawn_on(view))
+        tabs_->setCurrentWidget(panel_); // the wound by hand is seen in space only
     model_->set_view(view);
     show_all();
     if (optics_deg_ >= 0.0)
@@ -920,8 +930,6 @@ void MainWindow::set_view(ViewPreset view)
 
 void MainWindow::plan_selected()
 {
-    if (knife_tab_open() && !is_drawn_on(view))
-        tabs_->setCurrentWidget(panel_); // the wound by hand is seen in space only
     if (!model_ || !model_->selected())
         return;
     clear_error();
@@ -980,6 +988,8 @@ void MainWindow::cancel_work()
 {
     if (model_ && model_->busy())
         return cancel_planning();
+    if (palpations_prepared_ > 0)
+        reading_executor_.cancel();
     export_executor_.cancel();
     show_all();
 }
@@ -1170,6 +1180,7 @@ void MainWindow::show_actions()
         && !editor_->drawing() && !compares);
     correct_->setEnabled(model_ && model_->view_available(ViewPreset::slices));
     measure_area_->setEnabled(measure_->isEnabled());
+    forget_measurements_->setEnabled(model_ && model_->has_measurements());
     measure_->setChecked(measuring_ && !measuring_area_);
     measure_area_->setChecked(measuring_area_);
     straight_optics_->setEnabled(any && state->field != nullptr && !editor_->drawing() && knife_->scene() == nullptr);
@@ -1182,7 +1193,6 @@ void MainWindow::show_actions()
     finish_->setEnabled(editor_->drawing() || measuring_area_);
     questions_->setEnabled(any);
     for (QAction* action : { change_, duplicate_, neighbours_, remove_, choose_ })
-    forget_measurements_->setEnabled(model_ && model_->has_measurements());
         action->setEnabled(any && !editor_->drawing());
     site_->setEnabled(any && model_->slice_place().has_value() && !editor_->drawing()
         && (model_->view() == ViewPreset::slices || model_->shown_state().slice_point));
@@ -1287,6 +1297,15 @@ void MainWindow::set_measuring(bool on, bool area)
     show_all();
 }
 
+void MainWindow::forget_measurements()
+{
+    if (!model_)
+        return;
+    model_->forget_measurements();
+    show_again([](const Scene&) { return true; });
+    show_all();
+}
+
 void MainWindow::measure_at(const QPointF& at)
 {
     std::optional<Vec3> place = view_->slice_place_at(at);
@@ -1299,15 +1318,6 @@ void MainWindow::measure_at(const QPointF& at)
     }
     if (!place)
         return show_message(in_space ? "Click on the skin." : "Click on a slice.");
-void MainWindow::forget_measurements()
-{
-    if (!model_)
-        return;
-    model_->forget_measurements();
-    show_again([](const Scene&) { return true; });
-    show_all();
-}
-
     const std::string text = measuring_area_ ? model_->measure_area(*place) : model_->measure(*place);
     show_again([](const Scene&) { return true; });
     show_message(!text.empty() ? QString::fromStdString(text)
@@ -1406,7 +1416,8 @@ Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& sour
 
 void MainWindow::show_progress()
 {
-    const bool plans = model_ && model_->busy(), busy = plans || exports_running_ > 0;
+    const bool plans = model_ && model_->busy(), saves = exports_running_ > 0;
+    const bool busy = plans || saves || palpations_prepared_ > 0;
     cancel_->setEnabled(in_tour() || busy || knife_->mode() != KnifeMode::away || editor_->drawing() || measuring_
         || labels_->active() || in_conference());
     progress_->setVisible(busy);
@@ -1419,7 +1430,7 @@ void MainWindow::show_progress()
         return;
     }
     progress_timer_.start();
-    if (exports_running_ > 0) {
+    if (saves) {
         const SerialExecutor::Progress writing = export_executor_.progress();
         conference_bar_->show_note(translated(QString("Saving: %1 (%2 %)")
                                                   .arg(QString::fromStdString(stage_in_words(writing.stage)))
@@ -1430,6 +1441,13 @@ void MainWindow::show_progress()
             progress_->setFormat(translated("saving: " + stage_in_words(writing.stage)));
             return;
         }
+    }
+    if (!plans) {
+        const SerialExecutor::Progress preparing = reading_executor_.progress();
+        cancel_button_->setEnabled(true);
+        progress_->setValue(static_cast<int>(kProgressSteps * preparing.fraction));
+        progress_->setFormat(translated(stage_in_words(preparing.stage)));
+        return;
     }
     const bool cancelling = model_->planning_unwanted();
     cancel_button_->setEnabled(!cancelling);

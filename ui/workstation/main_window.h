@@ -247,6 +247,7 @@ private:
     void cancel_work(); ///< planning, or else what is being saved
     void open_as_read(planner::Case planned_case, std::optional<std::filesystem::file_time_type> read_at);
     void run_start_work(const QString& what, std::function<std::function<void()>(const Job&)> task);
+    void prepare_palpation(const QString& message, std::function<std::function<void()>(const Job&)> task);
     void open_trainer();
 
     void ask_for_case();
@@ -281,8 +282,8 @@ private:
     /// Ends what is drawn or measured, with Enter.
     void finish();
     void measure_at(const QPointF& at);
-    void show_again(const std::function<bool(const Scene&)>& which);
     void forget_measurements();
+    void show_again(const std::function<bool(const Scene&)>& which);
     void set_grey_window(std::size_t index);
     bool slices_shown() const;
     void show_slices();
@@ -305,7 +306,8 @@ private:
     std::unique_ptr<SessionModel> model_;
     PlanningBackend backend_;
     int generation_ = 0; ///< number of the case; results for an older case are dropped
-    int reading_ = 0; ///< number of cases that are being read
+    int reading_ = 0; ///< number of cases that are being read, and of palpations that are being prepared
+    int palpations_prepared_ = 0;
     int saving_ = 0; ///< number of cases that are being written
     std::string not_saved_;
     bool remembers_ = false; ///< opened cases are listed on the start page

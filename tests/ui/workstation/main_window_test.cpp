@@ -135,6 +135,13 @@ namespace main_window_test {
         test_support::wait_until_idle(window_);
         EXPECT_EQ(wounds, std::vector<std::string> { "median" });
         EXPECT_EQ(window_.error_line(), "");
+        control_->hold = true;
+        press(Qt::Key_T, Qt::ControlModifier);
+        press(Qt::Key_Escape);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(window_.message_line(), "The palpation was cancelled.");
+        EXPECT_EQ(wounds.size(), 1U);
+        control_->hold = false;
         window_.select("lateral");
         press(Qt::Key_P);
         test_support::wait_until_idle(window_);
@@ -742,13 +749,6 @@ namespace main_window_test {
         test_support::wait_until_idle(window_);
         ASSERT_EQ(window_.view().scenes().size(), 4U);
         EXPECT_EQ(window_.view().scenes().front().slices.front().level_hu, 400.0) << "bone";
-    }
-
-    TEST_F(MainWindowTest, NotchesOfTheWheelShareAPicture)
-    {
-        open_synthetic();
-        PictureView& view = window_.view();
-        ASSERT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, test_support::kPatienceMs));
         press(Qt::Key_K);
         test_support::wait_until_idle(window_);
         ASSERT_EQ(window_.view().scenes().size(), 1U);
@@ -756,6 +756,13 @@ namespace main_window_test {
         test_support::wait_until_idle(window_);
         EXPECT_EQ(tabs->currentIndex(), 0) << "the wound by hand is seen in space only";
         EXPECT_EQ(window_.view().scenes().size(), 4U);
+    }
+
+    TEST_F(MainWindowTest, NotchesOfTheWheelShareAPicture)
+    {
+        open_synthetic();
+        PictureView& view = window_.view();
+        ASSERT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, test_support::kPatienceMs));
         const int pictures = view.pictures();
         const double before = (view.camera().eye - view.camera().aim).norm();
         constexpr int kNotches = 5;

@@ -358,14 +358,15 @@ namespace {
         m.estimated = estimated_among(m, patient.planned_case());
         m.opening_area_mm2 = field.geometry.area_mm2;
         m.opening_width_mm = field.geometry.width_mm;
-        m.incision_length_mm = field.geometry.incision_length_mm;
+        const double drawn = incision_length(field.approach), found = field.geometry.incision_length_mm;
+        m.incision_length_mm = std::min(found, drawn); // the edges of the elements wind about the line
         m.cut_depth_mm = field.approach.depth_mm;
         constexpr double kWholeEdge = 0.8; // a wound begins and ends within a few elements of the incision's ends
-        if (const double drawn = incision_length(field.approach); m.incision_length_mm < kWholeEdge * drawn)
+        if (found < kWholeEdge * drawn)
             remark(field.message,
                 formatted("the edge of the wound was found over %.0f mm of the incision's %.0f mm: opening, area and "
                           "view are those of this part",
-                    m.incision_length_mm, drawn));
+                    found, drawn));
         m.hooks = hook_forces(field);
         m.retractor = retractor_metrics(field);
         if (is_usable(field.opening))

@@ -22,7 +22,7 @@ namespace {
     constexpr double kLongestLever = 0.9; // of the blade
     /// Bone this much farther behind the lip than the nearest still bears: about half an element at the wound.
     constexpr double kContactMm = 2.0;
-    /// Nodes this far above or below the level at which the blade bears move with it.
+    /// Nodes from the skin to this far below the level at which the blade bears move with it.
     constexpr double kBandMm = 8.0;
     /// Half of the blade, in its middle, decides, as in bearing_points().
     constexpr double kMiddle = 0.25;
@@ -89,12 +89,12 @@ bool bear_on_bone(HookPlacement& placement, const mesh::CutSession& session, std
         weights += weight;
     }
     placement.lever_mm = std::min(sum / weights, kLongestLever * placement.reach_mm);
-    std::vector<VertexId> at_level;
+    std::vector<VertexId> pushed;
     for (const VertexId v : placement.nodes)
-        if (std::abs(place_on(placement, session.position(v)).depth - placement.lever_mm) <= kBandMm)
-            at_level.push_back(v);
-    if (at_level.size() >= kFewestNodes)
-        placement.nodes = std::move(at_level);
+        if (place_on(placement, session.position(v)).depth <= placement.lever_mm + kBandMm)
+            pushed.push_back(v);
+    if (pushed.size() >= kFewestNodes)
+        placement.nodes = std::move(pushed);
     return true;
 }
 

@@ -12,8 +12,9 @@
 
 namespace retractor::planner {
 
-/// Leaves to a blade the nodes of the lip at the level where it bears: where the bone behind the lip lies nearest to
-/// the blade's middle half. The muscle above and below is soft and gives way. Without bone within kBearingMm
+/// Leaves to a blade the nodes of the lip from the skin to the level where it bears: where the bone behind the lip lies
+/// nearest to the blade's middle half. What lies above is before the blade too, and moves with it; the muscle below is
+/// soft, and the blade turns away from it. Without bone within kBearingMm
 /// (planner/approach/bearing_points.h) the blade bears with all its nodes. Sets HookPlacement::lever_mm and reach_mm,
 /// puts the arm over the lip, and makes the blade no deeper than the lip: a surgeon takes a blade that fits the wall.
 /// @param placement with nodes and an arm

@@ -55,12 +55,14 @@ namespace blade_bearing_test {
             EXPECT_NEAR(placement.lever_mm, from + 4.0, 0.5 * kEdgeMm);
             EXPECT_NEAR(placement.reach_mm, 30.0, kRoundOff);
             ASSERT_GE(placement.nodes.size(), 3U);
-            double width = 0.0;
+            double width = 0.0, highest = 30.0;
             for (const VertexId v : placement.nodes) {
-                EXPECT_LE(std::abs(session.position(v).z() - placement.lever_mm), 8.0);
+                EXPECT_LE(session.position(v).z() - placement.lever_mm, 8.0);
+                highest = std::min(highest, session.position(v).z());
                 width = std::max(width, std::abs(session.position(v).y() - 30.0));
             }
             EXPECT_NEAR(width, 20.0, kRoundOff) << "over its whole width";
+            EXPECT_NEAR(highest, 0.0, kRoundOff) << "with the skin before it";
         }
     }
 

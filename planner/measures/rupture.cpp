@@ -15,12 +15,21 @@ namespace {
         return field.force_moments ? std::max(field.hook_force_N, field.force_moments->peak_N) : field.hook_force_N;
     }
 
+    /// A sawn sternum is parted, not ribs: the retractions were those of ribs.
+    bool parts_the_sternum(const FieldMetrics& field)
+    {
+        const auto is_sternum = [](const std::string& bone) { return bone.starts_with("sternum"); };
+        return std::ranges::any_of(
+            field.hooks, [&](const HookForce& hook) { return std::ranges::any_of(hook.bears_on, is_sternum); });
+    }
+
 } // namespace
 
 bool may_rupture(const FieldMetrics& field)
 {
     constexpr double kShownMm = 0.05; // what is shown as 30.0 mm is not beyond 30 mm
-    return hook_opening(field).reached_mm > kRuptureOpeningMm + kShownMm && largest_force(field) > kRuptureForceN;
+    return !parts_the_sternum(field) && hook_opening(field).reached_mm > kRuptureOpeningMm + kShownMm
+        && largest_force(field) > kRuptureForceN;
 }
 
 std::string rupture_text(const FieldMetrics& field)

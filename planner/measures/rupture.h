@@ -15,8 +15,8 @@ namespace retractor::planner {
 
 inline constexpr double kRuptureOpeningMm = 30.0, kRuptureForceN = 122.5;
 
-/// Whether the hooks open the wound farther than 30 mm with more than 122.5 N on a side. The force is that of the plan,
-/// or that at the last turn where this is larger.
+/// Whether hooks that do not bear on the sternum open the wound farther than 30 mm with more than 122.5 N on a side.
+/// The force is that of the plan, or that at the last turn where this is larger.
 bool may_rupture(const FieldMetrics& field);
 
 /// "45.0 mm and 203 N: beyond 30 mm and 122.5 N tissue ruptured in half of 24 retractions ..."; empty below.

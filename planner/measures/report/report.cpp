@@ -22,6 +22,7 @@
 #include "planner/wall/wall_tension.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -118,7 +119,9 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         });
         if (std::ranges::any_of(fields, breaks_bone))
             text_row("Largest opening without a fracture (estimate)", [](const FieldMetrics& f) {
-                return f.largest_uninjured_opening_mm ? in_words(*f.largest_uninjured_opening_mm, 0) + " mm"
+                if (f.largest_uninjured_opening_mm && !breaks_bone(f))
+                    return "no rib breaks up to " + in_words(*f.largest_uninjured_opening_mm, 0) + " mm";
+                return f.largest_uninjured_opening_mm ? in_words(std::floor(*f.largest_uninjured_opening_mm), 0) + " mm"
                                                       : std::string("not known");
             });
         if (std::ranges::any_of(fields, [](const FieldMetrics& f) { return !f.tissue_strain.empty(); }))
@@ -386,8 +389,9 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "<table class=\"materials\"><thead><tr><th>Bone</th><th>Young's modulus</th><th>Range</th><th>Found by"
                "</th><th>From</th></tr></thead><tbody>";
         for (const BoneStiffness& bone : field.bone_stiffness)
-            out << "<tr><td>" << escaped(readable(bone.name)) << "</td><td>" << formatted("%.4g MPa", bone.modulus_MPa)
-                << "</td><td>" << formatted("%.3g to %.3g", bone.low_MPa, bone.high_MPa) << "</td><td>"
+            out << "<tr><td>" << escaped(readable(bone.name)) << "</td><td>"
+                << in_words(bone.modulus_MPa, bone.modulus_MPa < 100.0 ? 1 : 0) + " MPa"
+                << "</td><td>" << formatted("%.0f to %.0f", bone.low_MPa, bone.high_MPa) << "</td><td>"
                 << escaped(std::string(to_string(bone.origin))) << "</td><td>" << escaped(bone.words) << "</td></tr>";
         out << "</tbody></table>";
     }

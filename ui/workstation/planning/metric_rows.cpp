@@ -16,6 +16,7 @@
 #include "planner/measures/volume_failures.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace retractor::ui {
 
@@ -129,7 +130,7 @@ namespace {
         section.rows.push_back({ "Attainable", planner::attainable_text(field), planner::bones_text(field), warning });
         if (planner::breaks_bone(field))
             section.rows.push_back(
-                { "Without a fracture", "about " + number(*field.largest_uninjured_opening_mm, 0, "mm"),
+                { "Without a fracture", "about " + number(std::floor(*field.largest_uninjured_opening_mm), 0, "mm"),
                     "Largest opening of the hooks at which no rib breaks: an estimate in proportion to the opening." });
         if (!field.bones.empty() && field.bones.front().capacity_Nm)
             section.rows.push_back({ "Most loaded rib", percent(field.bones.front().utilisation),

@@ -246,7 +246,16 @@ std::string spoken_name(const Approach& approach)
     std::string usual = approach.template_name == "points" ? "drawn" : approach.template_name;
     std::replace(usual.begin(), usual.end(), ':', '_');
     const std::string kind = parts_of(approach.template_name).first;
-    return approach.name == usual || approach.name == kind ? surgical_name(approach) : approach.name;
+    for (const std::string& given : { usual, kind }) {
+        if (approach.name == given)
+            return surgical_name(approach);
+        const std::string numbered = given + "-"; // as free_approach_name() makes it
+        if (approach.name.starts_with(numbered) && approach.name.size() > numbered.size()
+            && std::all_of(approach.name.begin() + static_cast<std::ptrdiff_t>(numbered.size()), approach.name.end(),
+                [](char c) { return c >= '0' && c <= '9'; }))
+            return surgical_name(approach) + " (" + approach.name.substr(numbered.size()) + ")";
+    }
+    return approach.name;
 }
 
 } // namespace retractor::planner

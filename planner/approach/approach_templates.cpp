@@ -782,12 +782,13 @@ PointsApproach approach_from_points(const mesh::LabelVolume& labels, const std::
             break;
     }
     const double farthest = *std::max_element(result.moved_mm.begin(), result.moved_mm.end());
+    constexpr double kSaidDeg = 0.5; // less is 0 in whole degrees
     approach.rationale = "Incision through " + std::to_string(points.size())
         + " given points, put on the skin (moved by at most " + in_words(farthest, 1) + " mm), blade square to the skin"
-        + (turned_deg > 0.0 ? " but for up to " + in_words(turned_deg)
+        + (turned_deg >= kSaidDeg ? " but for up to " + in_words(turned_deg)
                     + " degrees, by which it is straightened so as not to fold over "
                       "itself."
-                            : ".");
+                                  : ".");
     if (!(depth_mm > 0.0))
         approach.rationale += wall_words(approach, omitted);
     approach.uncut_labels = bone_names(labels.table);

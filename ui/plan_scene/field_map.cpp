@@ -315,7 +315,8 @@ namespace {
         map.legend.push_back({ formatted("the best place of the eye: %.0f %% of what could be seen",
                                    100.0 * field.metrics.seen_best_eye),
             " ", best.color });
-        map.legend.push_back({ "distance from the target", in_words(exposure.cone.eye_distance_mm, 0) + " mm" });
+        map.legend.push_back(
+            { "the other places: distance from the target", in_words(exposure.cone.eye_distance_mm, 0) + " mm" });
         return map;
     }
 

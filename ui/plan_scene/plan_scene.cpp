@@ -537,7 +537,7 @@ std::vector<Scene> patient_slices(planner::Patient& patient)
 Scene planning_scene(planner::Patient& patient, const planner::Approach& approach)
 {
     Scene scene;
-    scene.title = planner::spoken_name(approach) + ": planned incision";
+    scene.title = planner::spoken_name(approach) + ": incision";
     SurfaceItem body;
     body.name = kBodyName;
     body.mesh = patient.body();

@@ -29,6 +29,7 @@ namespace {
     constexpr double kWidestMm = 200.0;
     constexpr int kHighestSpace = 2, kLowestSpace = 9, kUsualSpace = 4;
     constexpr int kSpaceOfItsOwn = kHighestSpace - 1; ///< the template chooses the space
+    constexpr int kRight = 1, kSideOfItsOwn = -1; ///< of the sides; the template has its own, which its name says
 
     struct Kind {
         const char* words;
@@ -210,6 +211,7 @@ void ApproachDialog::show_what_applies()
         space_->setSpecialValueText(kind.has_side ? QString() : translated("the space that suits the target"));
         space_->setMinimum(kind.has_side ? kHighestSpace : kSpaceOfItsOwn);
         side_->setEnabled(kind.has_side);
+        side_->setCurrentIndex(kind.has_side ? std::max(0, side_->currentIndex()) : kSideOfItsOwn);
     }
     // What pulls with a force, or does not pull yet, has no opening to change.
     opening_->setEnabled(
@@ -246,7 +248,7 @@ planner::ApproachDraft ApproachDialog::draft() const
         draft.template_name = kind.template_name;
         if (kind.has_space && space_->value() != kSpaceOfItsOwn)
             draft.template_name += ":" + std::to_string(space_->value());
-        draft.left = side_->currentIndex() == 0;
+        draft.left = side_->currentIndex() != kRight;
     }
     if (divides_ != nullptr) {
         draft.divides = static_cast<planner::Divides>(divides_->currentData().toInt());

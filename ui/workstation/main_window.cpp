@@ -1290,6 +1290,7 @@ void MainWindow::set_measuring(bool on, bool area)
     } else if (measuring_) {
         model_->end_measurement();
         view_->set_tool(nullptr);
+        show_again([](const Scene&) { return true; });
         show_message({});
     }
     measuring_ = on && possible;

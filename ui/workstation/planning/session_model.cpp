@@ -629,6 +629,13 @@ std::string SessionModel::measure_area(const Vec3& corner)
     return measurement_text(measurements_.back());
 }
 
+void SessionModel::end_measurement()
+{
+    measurement_ended_ = true;
+    if (!measurements_.empty() && measurement_text(measurements_.back()).empty())
+        measurements_.pop_back();
+}
+
 bool SessionModel::unmeasure()
 {
     if (measurements_.empty())

@@ -273,7 +273,8 @@ public:
     /// Adds a corner to the area that is measured, or begins one.
     std::string measure_area(const Vec3& corner);
     /// What is measured next is another one.
-    void end_measurement() { measurement_ended_ = true; }
+    /// The last measurement takes no more places. Places that give no number go.
+    void end_measurement();
     void forget_measurements() { measurements_.clear(); }
     /// Takes the last place back. @return false when there is none
     bool unmeasure();

@@ -924,8 +924,8 @@ void MainWindow::set_view(ViewPreset view)
         tabs_->setCurrentWidget(panel_); // the wound by hand is seen in space only
     model_->set_view(view);
     show_all();
-    if (optics_deg_ >= 0.0)
-        reset_view(); // the same picture, but not through the endoscope
+    if (optics_deg_ >= 0.0 || knife_->scene() != nullptr)
+        reset_view(); // the same picture, but not through the endoscope, or from where the hand turned it
 }
 
 void MainWindow::plan_selected()

@@ -164,7 +164,8 @@ namespace {
         if (planner::has_ten_nodes(planned_case.solution.element))
             approach.sizing = fine_enough_to_cut(approach.sizing);
         const mesh::MeshSizing sizing = planner::mesh_sizing_of(approach, planned_case.label_table);
-        planner::find_division(approach, patient); // after the sizing: the mesh need not reach along it
+        const planner::Approach meshed = approach; // without the division, along which the mesh need not reach
+        planner::find_division(approach, patient);
         mesh::HybridModel model = planner::build_wall(*labels, sizing, job);
         if (model.status != mesh::MeshStatus::done)
             throw InputError(
@@ -199,7 +200,7 @@ namespace {
             inward += direction;
         setup.outward = -inward.normalized();
         input.surroundings = knife_surroundings(patient, approach);
-        setup.beyond = std::make_shared<const TriMesh>(body_beyond(patient, approach, model.wall, job));
+        setup.beyond = std::make_shared<const TriMesh>(body_beyond(patient, meshed, model.wall, job));
         setup.region = { .corridor = mesh::region_line(sizing), .meshed_mm = sizing.region_mm };
         setup.wall = std::move(model.wall);
         return input;

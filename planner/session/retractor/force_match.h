@@ -17,7 +17,9 @@ struct PlannedForce {
     std::string retractor; ///< as RetractorState::kind
     double opening_mm = 0.0; ///< of its arms
     double force_N = 0.0; ///< on each blade
-    double bar_N = 0.0; ///< error bar of the force
+    double low_N = 0.0, high_N = 0.0; ///< interval of the force (ForceInterval)
+    double seen_share = 0.0; ///< of the target, from the plan's best eye
+    std::string objection {}; ///< what the plan says against this opening, in a sentence; empty: nothing
     bool operator==(const PlannedForce&) const = default;
 };
 

@@ -1,5 +1,6 @@
 #include "ui/workstation/cutting/knife_panel.h"
 
+#include "planner/measures/verdict.h"
 #include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/theme.h"
@@ -84,7 +85,7 @@ namespace {
         if (report.hooks.empty() || !report.settled || report.strain.p99 <= kTearingStrain)
             return {};
         return QString(
-            "⚠ The strain is above %1 %, and no tissue bears this strain. Open the hooks less, or make the cut longer.")
+            "⚠ The strain is above %1 %, and no tissue bears this strain. Open the wound less, or make the cut longer.")
             .arg(100.0 * kTearingStrain, 0, 'f', 0);
     }
 
@@ -117,21 +118,20 @@ namespace {
     }
 
     /// A remark when only the tissue near the wound is computed well; otherwise empty.
-    QString rough_remark(const planner::HookReport& report, bool is_planned)
+    QString rough_remark(const planner::HookReport& report, const std::optional<planner::PlannedForce>& plan)
     {
         if (report.hooks.empty() || !(report.rough_forces || report.linear_only))
             return {};
-        return is_planned
-            ? "⚠ Do not rely on these forces: more of the wall moves than is computed well here. Those of the plan "
-              "count."
-            : "⚠ Do not rely on these forces: more of the wall moves than is computed well here. Plan the approach for "
-              "better ones.";
+        const QString text = "⚠ Do not rely on these forces: more of the wall moves than is computed well here. ";
+        return text
+            + (plan ? QString("Rely on that of the plan, at %1 mm.").arg(plan->opening_mm, 0, 'f', 0)
+                    : QString("Plan the approach for better ones."));
     }
 
     QString remarks(const planner::HookReport& report, const std::optional<planner::PlannedForce>& plan)
     {
         QStringList said { meeting_remark(report), overlap_remark(report), force_remark(report), strain_remark(report),
-            are_as_planned(report, plan) ? QString() : rough_remark(report, plan.has_value()) };
+            are_as_planned(report, plan) ? QString() : rough_remark(report, plan) };
         said.removeAll({});
         return said.join('\n');
     }
@@ -170,18 +170,23 @@ namespace {
             .arg(forces);
     }
 
-    /// "Plan: 108 N (75 to 142 N) at 30 mm; all forces by hand are scaled by one factor, so that they meet it there".
+    /// "Plan: 108 N (75 to 142 N) at 30 mm, 29 % of the target seen; all forces by hand are scaled by one factor, so
+    /// that they meet it there".
     QString planned_force_text(const planner::PlannedForce& plan, bool matched)
     {
-        return QString(matched
-                ? "Plan: %1 N (%2 to %3 N) at %4 mm; all forces by hand are scaled by one factor, so that "
-                  "they meet it there"
-                : "Plan: %1 N (%2 to %3 N) at %4 mm; not matched: forces by hand may be off by two or "
-                  "three times")
-            .arg(plan.force_N, 0, 'f', 0)
-            .arg(std::max(0.0, plan.force_N - plan.bar_N), 0, 'f', 0)
-            .arg(plan.force_N + plan.bar_N, 0, 'f', 0)
-            .arg(plan.opening_mm, 0, 'f', 0);
+        QString text = QString(matched
+                ? "Plan: %1 N (%2 to %3 N) at %4 mm, %5 % of the target seen; all forces by hand are scaled by one "
+                  "factor, so that they meet it there"
+                : "Plan: %1 N (%2 to %3 N) at %4 mm, %5 % of the target seen; not matched: forces by hand may be off "
+                  "by two or three times")
+                           .arg(plan.force_N, 0, 'f', 0)
+                           .arg(QString::fromStdString(planner::two_digits(plan.low_N)))
+                           .arg(QString::fromStdString(planner::two_digits(plan.high_N)))
+                           .arg(plan.opening_mm, 0, 'f', 0)
+                           .arg(100.0 * plan.seen_share, 0, 'f', 0);
+        if (!plan.objection.empty())
+            text += "\nThe plan objects: " + QString::fromStdString(plan.objection);
+        return text;
     }
 
     /// Text of a hook: "left 1   12.3 of 15.0 mm, 60.0 N: yields".

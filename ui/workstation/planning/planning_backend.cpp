@@ -15,6 +15,7 @@
 #include "planner/case/patient.h"
 #include "planner/measures/comparison.h"
 #include "planner/measures/sight/instruments.h"
+#include "planner/measures/verdict.h"
 #include "planner/palpation/through_wound.h"
 #include "planner/plan/plan.h"
 #include "planner/plan/saved/saved_plan.h"
@@ -298,10 +299,15 @@ std::optional<planner::PlannedForce> planned_force(const planner::FieldMetrics& 
 {
     if (!field.retractor || !field.error || !field.error->message.empty() || !std::isfinite(field.error->hook_force_N))
         return std::nullopt;
+    const planner::ForceInterval interval = planner::force_interval(field);
+    const planner::Verdict verdict = planner::verdict_of(field);
     return planner::PlannedForce { .retractor = field.retractor->kind,
         .opening_mm = field.retractor->opening_mm,
         .force_N = field.hook_force_N,
-        .bar_N = field.error->hook_force_N };
+        .low_N = interval.low_N,
+        .high_N = interval.high_N,
+        .seen_share = field.seen_best_eye,
+        .objection = verdict.light == planner::Light::injury ? verdict.sentences.front() : std::string() };
 }
 
 PlanningBackend make_planning_backend(const planner::Case& planned_case, const TextLanguage& language)

@@ -13,7 +13,9 @@
 namespace retractor::planner {
 namespace force_match_test {
 
-    const PlannedForce kPlan { .retractor = "finochietto", .opening_mm = 30.0, .force_N = 108.0, .bar_N = 34.0 };
+    const PlannedForce kPlan {
+        .retractor = "finochietto", .opening_mm = 30.0, .force_N = 108.0, .low_N = 74.0, .high_N = 142.0
+    };
 
     HookReport opened(double opening_mm, double force_N)
     {

@@ -169,8 +169,7 @@ namespace {
                 sentences.push_back(
                     "The " + readable(tissue.tissue) + (would_tear(tissue) ? " would tear." : " may tear."));
         if (may_rupture(field))
-            sentences.emplace_back("Rib spreaders that opened farther than 30 mm with more than 122.5 N ruptured "
-                                   "tissue in half of 24 pigs.");
+            sentences.emplace_back(kRuptureSentence);
     }
 
 } // namespace

@@ -15,12 +15,13 @@ namespace {
         return field.force_moments ? std::max(field.hook_force_N, field.force_moments->peak_N) : field.hook_force_N;
     }
 
-    /// A sawn sternum is parted, not ribs: the retractions were those of ribs.
+    /// Whether the halves of the sternum are parted, not ribs.
     bool parts_the_sternum(const FieldMetrics& field)
     {
         const auto is_sternum = [](const std::string& bone) { return bone.starts_with("sternum"); };
-        return std::ranges::any_of(
-            field.hooks, [&](const HookForce& hook) { return std::ranges::any_of(hook.bears_on, is_sternum); });
+        return !field.hooks.empty() && std::ranges::all_of(field.hooks, [&](const HookForce& hook) {
+            return std::ranges::any_of(hook.bears_on, is_sternum);
+        });
     }
 
 } // namespace
@@ -44,7 +45,7 @@ std::string rupture_text(const FieldMetrics& field)
 
 std::string fast_opening_text(const FieldMetrics& field)
 {
-    if (!field.force_moments || !field.force_moments->is_fast)
+    if (!field.force_moments || !field.force_moments->is_fast || parts_the_sternum(field))
         return {};
     return field.force_moments->protocol
         + ": nearly all retractions faster than half a turn in 10 s ruptured tissue (Chanoit 2019)";

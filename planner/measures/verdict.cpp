@@ -128,9 +128,7 @@ namespace {
                 say(said, would_tear(tissue) ? Light::injury : Light::caution,
                     capital(readable(tissue.tissue)) + (would_tear(tissue) ? " would tear." : " may tear."));
         if (may_rupture(field))
-            say(said, Light::caution,
-                "Rib spreaders that opened farther than 30 mm with more than 122.5 N ruptured tissue in half of 24 "
-                "pigs.");
+            say(said, Light::caution, std::string(kRuptureSentence));
         if (!piercing_text(field).empty())
             say(said, Light::unknown, "Bone comes through the skin, which the model does not hinder.");
         else if (is_region_too_small(field))

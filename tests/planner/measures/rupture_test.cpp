@@ -27,6 +27,19 @@ namespace rupture_test {
         EXPECT_TRUE(rupture_text(opened(29.0, 400.0)).empty());
     }
 
+    TEST(Rupture, IsThatOfRibSpreaders)
+    {
+        FieldMetrics field = opened(45.0, 203.0);
+        field.force_moments = ForceMoments { .protocol = "fast", .is_fast = true };
+        for (HookForce& hook : field.hooks)
+            hook.bears_on = { "rib_left_4", "sternum" };
+        EXPECT_FALSE(may_rupture(field)) << "the sternum is parted";
+        EXPECT_EQ(fast_opening_text(field), "");
+        field.hooks.front().bears_on = { "rib_left_5" };
+        EXPECT_TRUE(may_rupture(field)) << "a space that begins at the sternum";
+        EXPECT_NE(fast_opening_text(field), "");
+    }
+
     TEST(Rupture, TheTextNamesOpeningForceAndSource)
     {
         const std::string text = rupture_text(opened(45.0, 203.0));

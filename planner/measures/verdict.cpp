@@ -219,26 +219,45 @@ const char* words_of(Light light)
     return "Not usable";
 }
 
+namespace {
+
+    Sentences sentences_of(const FieldMetrics& field)
+    {
+        Sentences said;
+        if (const std::string why = why_not_to_use(field); !why.empty()) {
+            say(said, Light::unknown, why); // numbers beside this sentence would be used all the same
+            say_risks(field, said);
+        } else {
+            say_bones(field, said);
+            say_tissue(field, said);
+            say_bearing(field, said);
+            say_risks(field, said);
+            say_sight(field, said);
+            say_opening(field, said);
+            say_force(field, said);
+        }
+        std::ranges::stable_sort(said, is_worse);
+        return said;
+    }
+
+} // namespace
+
 Verdict verdict_of(const FieldMetrics& field)
 {
-    Sentences said;
-    if (const std::string why = why_not_to_use(field); !why.empty()) {
-        say(said, Light::unknown, why); // numbers beside this sentence would be used all the same
-        say_risks(field, said);
-    } else {
-        say_bones(field, said);
-        say_tissue(field, said);
-        say_bearing(field, said);
-        say_risks(field, said);
-        say_sight(field, said);
-        say_opening(field, said);
-        say_force(field, said);
-    }
-    std::ranges::stable_sort(said, is_worse);
+    Sentences said = sentences_of(field);
     Verdict verdict { .light = said.front().light, .sentences = {} };
     for (Said& each : said)
         verdict.sentences.push_back(std::move(each.sentence));
     return verdict;
+}
+
+std::string objections_of(const FieldMetrics& field)
+{
+    std::string text;
+    for (const Said& each : sentences_of(field))
+        if (each.light == Light::injury)
+            text += (text.empty() ? "" : " ") + each.sentence;
+    return text;
 }
 
 } // namespace retractor::planner

@@ -33,6 +33,9 @@ struct Verdict {
 /// @pre set_attainable() was called
 Verdict verdict_of(const FieldMetrics& field);
 
+/// The sentences of the verdict that mean injury, joined: "Rib 4 on the left would break from 28 mm on." Empty: none.
+std::string objections_of(const FieldMetrics& field);
+
 /// The interval of the force from the mesh (ErrorBars) and from the tissue values (ParameterInterval), added as
 /// independent errors are; equal ends where neither is known.
 struct ForceInterval {

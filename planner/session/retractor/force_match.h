@@ -1,8 +1,9 @@
 #pragma once
 // Matches the forces of a retractor that is opened by hand to those of the plan of the same wound.
 //
-// The answer under a hand is quick: four-node elements, blades that bear in a band, linear tissue far from the wound.
-// Its forces are off by up to three times, to either side, and a plan of the same wound knows better. Units mm, N.
+// The answer under a hand is quick: four-node elements, blades that push from the skin to the bone, linear tissue far
+// from the wound. Its forces are off by up to three times, to either side, and a plan of the same wound knows better.
+// Units mm, N.
 
 #include "planner/session/wound_hooks.h"
 
@@ -19,7 +20,7 @@ struct PlannedForce {
     double force_N = 0.0; ///< on each blade
     double low_N = 0.0, high_N = 0.0; ///< interval of the force (ForceInterval)
     double seen_share = 0.0; ///< of the target, from the plan's best eye
-    std::string objection {}; ///< what the plan says against this opening, in a sentence; empty: nothing
+    std::string objections {}; ///< what the plan says against this opening, in sentences; empty: nothing
     bool operator==(const PlannedForce&) const = default;
 };
 

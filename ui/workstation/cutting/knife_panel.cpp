@@ -124,7 +124,7 @@ namespace {
             return {};
         const QString text = "⚠ Do not rely on these forces: more of the wall moves than is computed well here. ";
         return text
-            + (plan ? QString("Rely on that of the plan, at %1 mm.").arg(plan->opening_mm, 0, 'f', 0)
+            + (plan ? QString("Rely on the force of the plan, at %1 mm.").arg(plan->opening_mm, 0, 'f', 0)
                     : QString("Plan the approach for better ones."));
     }
 
@@ -180,12 +180,12 @@ namespace {
                 : "Plan: %1 N (%2 to %3 N) at %4 mm, %5 % of the target seen; not matched: forces by hand may be off "
                   "by two or three times")
                            .arg(plan.force_N, 0, 'f', 0)
-                           .arg(QString::fromStdString(planner::two_digits(plan.low_N)))
-                           .arg(QString::fromStdString(planner::two_digits(plan.high_N)))
+                           .arg(plan.low_N, 0, 'f', 0)
+                           .arg(plan.high_N, 0, 'f', 0)
                            .arg(plan.opening_mm, 0, 'f', 0)
-                           .arg(100.0 * plan.seen_share, 0, 'f', 0);
-        if (!plan.objection.empty())
-            text += "\nThe plan objects: " + QString::fromStdString(plan.objection);
+                           .arg(QString::fromStdString(planner::two_digits(100.0 * plan.seen_share)));
+        if (!plan.objections.empty())
+            text += "\nThe plan objects: " + QString::fromStdString(plan.objections);
         return text;
     }
 

@@ -299,15 +299,16 @@ std::optional<planner::PlannedForce> planned_force(const planner::FieldMetrics& 
 {
     if (!field.retractor || !field.error || !field.error->message.empty() || !std::isfinite(field.error->hook_force_N))
         return std::nullopt;
+    if (planner::verdict_of(field).light == planner::Light::unknown)
+        return std::nullopt; // nobody is to rely on this plan
     const planner::ForceInterval interval = planner::force_interval(field);
-    const planner::Verdict verdict = planner::verdict_of(field);
     return planner::PlannedForce { .retractor = field.retractor->kind,
         .opening_mm = field.retractor->opening_mm,
         .force_N = field.hook_force_N,
         .low_N = interval.low_N,
         .high_N = interval.high_N,
         .seen_share = field.seen_best_eye,
-        .objection = verdict.light == planner::Light::injury ? verdict.sentences.front() : std::string() };
+        .objections = planner::objections_of(field) };
 }
 
 PlanningBackend make_planning_backend(const planner::Case& planned_case, const TextLanguage& language)

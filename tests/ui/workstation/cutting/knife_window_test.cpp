@@ -625,6 +625,32 @@ namespace knife_window_test {
         EXPECT_EQ(panel.divide_button().text(), "Saw across");
     }
 
+    TEST(PlannedForce, HasTheVerdictsIntervalAndObjectionsOrIsNotToBeReliedOn)
+    {
+        planner::FieldMetrics field;
+        field.mechanics_status = "converged";
+        field.hook_force_N = 120.0;
+        field.opening_width_mm = 30.0;
+        field.seen_best_eye = 0.29;
+        field.retractor.emplace();
+        field.retractor->kind = "finochietto";
+        field.retractor->opening_mm = 30.0;
+        field.error.emplace();
+        field.error->hook_force_N = 30.0;
+        const auto plain = planned_force(field);
+        ASSERT_TRUE(plain);
+        EXPECT_DOUBLE_EQ(plain->low_N, 90.0);
+        EXPECT_DOUBLE_EQ(plain->high_N, 150.0);
+        EXPECT_DOUBLE_EQ(plain->seen_share, 0.29);
+        EXPECT_EQ(plain->objections, "");
+        field.at_risk = { { .name = "aorta", .distance_mm = 0.0 }, { .name = "heart", .distance_mm = 0.0 } };
+        const auto objected = planned_force(field);
+        ASSERT_TRUE(objected);
+        EXPECT_EQ(objected->objections, "The blade cuts the aorta. The blade cuts the heart.");
+        field.inverted_elements = 3;
+        EXPECT_FALSE(planned_force(field)) << "nobody is to rely on it";
+    }
+
     TEST(KnifePanelText, FlatElementsAreMarkedWithTheReason)
     {
         KnifePanel panel;

@@ -253,7 +253,7 @@ std::string spoken_name(const Approach& approach)
         if (approach.name.starts_with(numbered) && approach.name.size() > numbered.size()
             && std::all_of(approach.name.begin() + static_cast<std::ptrdiff_t>(numbered.size()), approach.name.end(),
                 [](char c) { return c >= '0' && c <= '9'; }))
-            return surgical_name(approach) + " (" + approach.name.substr(numbered.size()) + ")";
+            return surgical_name(approach) + ", no. " + approach.name.substr(numbered.size());
     }
     return approach.name;
 }

@@ -145,6 +145,12 @@ namespace approach_draft_test {
         EXPECT_EQ(surgical_name(approach), "Median sternotomy");
         approach.name = "median";
         EXPECT_EQ(spoken_name(approach), "Median sternotomy");
+        approach.name = "median-2"; // as a copy is named
+        EXPECT_EQ(spoken_name(approach), "Median sternotomy, no. 2");
+        for (const char* own : { "median-", "median-b", "median 2" }) {
+            approach.name = own;
+            EXPECT_EQ(spoken_name(approach), own);
+        }
         approach.name = "second plan";
         EXPECT_EQ(spoken_name(approach), "second plan");
         approach.template_name = "intercostal:4";

@@ -211,7 +211,9 @@ void ApproachDialog::show_what_applies()
         space_->setSpecialValueText(kind.has_side ? QString() : translated("the space that suits the target"));
         space_->setMinimum(kind.has_side ? kHighestSpace : kSpaceOfItsOwn);
         side_->setEnabled(kind.has_side);
-        side_->setCurrentIndex(kind.has_side ? std::max(0, side_->currentIndex()) : kSideOfItsOwn);
+        if (side_->currentIndex() != kSideOfItsOwn)
+            chosen_side_ = side_->currentIndex();
+        side_->setCurrentIndex(kind.has_side ? chosen_side_ : kSideOfItsOwn);
     }
     // What pulls with a force, or does not pull yet, has no opening to change.
     opening_->setEnabled(

@@ -60,6 +60,7 @@ private:
     planner::ApproachDraft shown_;
     QComboBox *kind_ = nullptr, *side_ = nullptr, *divides_ = nullptr, *target_ = nullptr, *opened_by_ = nullptr;
     QSpinBox* space_ = nullptr;
+    int chosen_side_ = 0; ///< of the kinds that have two
     QCheckBox* organs_aside_ = nullptr;
     QDoubleSpinBox *depth_ = nullptr, *opening_ = nullptr;
     QLineEdit* name_ = nullptr;

@@ -981,7 +981,7 @@ std::string risk_text(const RiskDistance& risk)
     if (!risk.from.empty())
         return readable(risk.from) + " to " + readable(risk.name) + " " + in_words(risk.distance_mm, 1) + " mm";
     return risk.distance_mm > 0.0 ? readable(risk.name) + " " + in_words(risk.distance_mm, 1) + " mm"
-                                  : risk.name + ": the blade passes through it";
+                                  : readable(risk.name) + ": the blade passes through it";
 }
 
 std::string risks_text(const FieldMetrics& field)

@@ -120,7 +120,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         if (std::ranges::any_of(fields, breaks_bone))
             text_row("Largest opening without a fracture (estimate)", [](const FieldMetrics& f) {
                 if (f.largest_uninjured_opening_mm && !breaks_bone(f))
-                    return "no rib breaks up to " + in_words(*f.largest_uninjured_opening_mm, 0) + " mm";
+                    return "no rib breaks up to " + in_words(std::floor(*f.largest_uninjured_opening_mm), 0) + " mm";
                 return f.largest_uninjured_opening_mm ? in_words(std::floor(*f.largest_uninjured_opening_mm), 0) + " mm"
                                                       : std::string("not known");
             });
@@ -391,8 +391,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         for (const BoneStiffness& bone : field.bone_stiffness)
             out << "<tr><td>" << escaped(readable(bone.name)) << "</td><td>"
                 << in_words(bone.modulus_MPa, bone.modulus_MPa < 100.0 ? 1 : 0) + " MPa"
-                << "</td><td>" << formatted("%.0f to %.0f", bone.low_MPa, bone.high_MPa) << "</td><td>"
-                << escaped(std::string(to_string(bone.origin))) << "</td><td>" << escaped(bone.words) << "</td></tr>";
+                << "</td><td>"
+                << formatted(bone.modulus_MPa < 100.0 ? "%.1f to %.1f" : "%.0f to %.0f", bone.low_MPa, bone.high_MPa)
+                << "</td><td>" << escaped(std::string(to_string(bone.origin))) << "</td><td>" << escaped(bone.words)
+                << "</td></tr>";
         out << "</tbody></table>";
     }
 

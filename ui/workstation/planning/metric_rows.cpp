@@ -196,7 +196,7 @@ namespace {
     {
         MetricSection section { "Force and strain", {} };
         add_rows(section, field, planner::MetricGroup::force);
-        add_parameters(section, field); // these two go on with the force, with "..."
+        add_parameters(section, field); // the rows of these two begin with "..." and belong to the force
         add_moments(section, field);
         add_bone_stiffness(section, field);
         add_rows(section, field, planner::MetricGroup::strain);

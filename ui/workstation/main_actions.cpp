@@ -240,8 +240,8 @@ void MainWindow::make_approach_actions(QMenu& menu)
     plan_ = add_action(menu, "Plan", Qt::Key_P, "Cut, open and measure this approach", [this] { plan_selected(); });
     plan_all_ = add_action(
         menu, "Plan all", QKeySequence("Shift+P"), "Cut, open and measure all approaches", [this] { plan_all(); });
-    cancel_ = add_action(
-        menu, "Cancel", Qt::Key_Escape, "Discard the open stroke or incision, or stop planning", [this] { cancel(); });
+    cancel_ = add_action(menu, "Cancel", Qt::Key_Escape,
+        "Discard the open stroke or incision, end measuring, or stop what is being computed", [this] { cancel(); });
 }
 
 void MainWindow::make_knife_actions(QMenu& menu)

@@ -618,9 +618,7 @@ void MainWindow::undo()
         show_undo();
     } else if (measuring_) {
         model_->unmeasure();
-        show_again([](const Scene&) { return true; });
-        show_undo();
-        forget_measurements_->setEnabled(model_->has_measurements());
+        show_measurements();
     } else if (knife_->snapshot() != nullptr) {
         knife_->run(planner::surgery::Undo {});
     } else if (model_ && model_->edit_to_undo()) {
@@ -674,6 +672,7 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     editor_->abandon();
     knife_->abandon();
     cancel_planning();
+    cancel_palpation();
     knife_->clear();
     ++generation_;
     closed_running_ = 0;
@@ -755,6 +754,7 @@ void MainWindow::close_case()
     editor_->abandon();
     knife_->abandon();
     cancel_planning();
+    cancel_palpation();
     knife_->clear();
     close_case_dialogs();
     editor_->set_case(nullptr, {});
@@ -858,7 +858,7 @@ void MainWindow::prepare_palpation(const QString& message, std::function<std::fu
     ++palpations_prepared_;
     show_message(message);
     show_all();
-    reading_executor_.post([this, task = std::move(task)](const Job& job) {
+    reading_executor_.post([this, task = std::move(task), generation = generation_](const Job& job) {
         std::function<void()> deliver;
         try {
             deliver = task(job);
@@ -867,12 +867,14 @@ void MainWindow::prepare_palpation(const QString& message, std::function<std::fu
         }
         if (job.cancelled())
             deliver = [this] { show_message("The palpation was cancelled."); };
-        post_back([this, deliver] {
+        post_back([this, deliver, generation] {
             --reading_;
             --palpations_prepared_;
-            clear_error();
+            if (generation == generation_)
+                clear_error();
             show_all();
-            deliver();
+            if (generation == generation_) // else its case is closed
+                deliver();
         });
     });
 }
@@ -922,9 +924,10 @@ void MainWindow::set_view(ViewPreset view)
         tabs_->setCurrentWidget(panel_); // the mouse is the brush's no more
     if (knife_tab_open() && !is_drawn_on(view))
         tabs_->setCurrentWidget(panel_); // the wound by hand is seen in space only
+    const bool again = view == model_->view();
     model_->set_view(view);
     show_all();
-    if (optics_deg_ >= 0.0 || knife_->scene() != nullptr)
+    if (optics_deg_ >= 0.0 || (again && knife_->scene() != nullptr))
         reset_view(); // the same picture, but not through the endoscope, or from where the hand turned it
 }
 
@@ -975,6 +978,12 @@ void MainWindow::cancel()
         cancel_work();
 }
 
+void MainWindow::cancel_palpation()
+{
+    if (palpations_prepared_ > 0)
+        reading_executor_.cancel();
+}
+
 void MainWindow::cancel_planning()
 {
     if (!model_)
@@ -988,8 +997,7 @@ void MainWindow::cancel_work()
 {
     if (model_ && model_->busy())
         return cancel_planning();
-    if (palpations_prepared_ > 0)
-        reading_executor_.cancel();
+    cancel_palpation();
     export_executor_.cancel();
     show_all();
 }
@@ -1274,6 +1282,7 @@ void MainWindow::finish()
     if (!measuring_area_)
         return editor_->finish();
     model_->end_measurement();
+    show_measurements();
     show_message("Click the corners of the next area. Esc ends.");
 }
 
@@ -1284,13 +1293,14 @@ void MainWindow::set_measuring(bool on, bool area)
         view_->set_tool(measure_tool_.get());
         if (measuring_)
             model_->end_measurement();
+        show_measurements();
         show_message(area ? "Click the corners of the area. Enter begins another, Esc ends, Ctrl+Z takes a corner back."
                           : "Click two places for a distance, a third for an angle. Esc ends, Ctrl+Z takes a place "
                             "back.");
     } else if (measuring_) {
         model_->end_measurement();
         view_->set_tool(nullptr);
-        show_again([](const Scene&) { return true; });
+        show_measurements();
         show_message({});
     }
     measuring_ = on && possible;
@@ -1303,8 +1313,15 @@ void MainWindow::forget_measurements()
     if (!model_)
         return;
     model_->forget_measurements();
+    show_measurements();
+}
+
+/// Shows the measurements as they are now, and what can be done with them.
+void MainWindow::show_measurements()
+{
     show_again([](const Scene&) { return true; });
-    show_all();
+    show_undo();
+    forget_measurements_->setEnabled(model_->has_measurements());
 }
 
 void MainWindow::measure_at(const QPointF& at)
@@ -1383,9 +1400,11 @@ void MainWindow::show_slices()
     show_again([](const Scene& scene) { return !scene.slices.empty(); });
 }
 
-/// Shows scenes of the present picture anew, each from where it is seen now.
+/// Shows scenes of the present picture anew, each from where it is seen now. The knife's picture stays.
 void MainWindow::show_again(const std::function<bool(const Scene&)>& which)
 {
+    if (shown_.pictures == nullptr || shown_ != model_->shown_source())
+        return;
     try {
         const std::vector<Scene> scenes = model_->shown_scenes();
         for (std::size_t i = 0; i < std::min(scenes.size(), view_->scenes().size()); ++i)

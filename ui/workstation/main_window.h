@@ -244,7 +244,8 @@ private:
     bool may_leave_case(const QString& question);
     bool may_lose(const QString& question, const QString& what, const QString& go_on);
     void cancel_planning();
-    void cancel_work(); ///< planning, or else what is being saved
+    void cancel_palpation(); ///< that is being prepared
+    void cancel_work(); ///< planning, or else the preparation of a palpation and what is being saved
     void open_as_read(planner::Case planned_case, std::optional<std::filesystem::file_time_type> read_at);
     void run_start_work(const QString& what, std::function<std::function<void()>(const Job&)> task);
     void prepare_palpation(const QString& message, std::function<std::function<void()>(const Job&)> task);
@@ -283,6 +284,7 @@ private:
     void finish();
     void measure_at(const QPointF& at);
     void forget_measurements();
+    void show_measurements();
     void show_again(const std::function<bool(const Scene&)>& which);
     void set_grey_window(std::size_t index);
     bool slices_shown() const;

@@ -756,6 +756,23 @@ namespace main_window_test {
         test_support::wait_until_idle(window_);
         EXPECT_EQ(tabs->currentIndex(), 0) << "the wound by hand is seen in space only";
         EXPECT_EQ(window_.view().scenes().size(), 4U);
+        press(Qt::Key_R);
+        for (const int x : { 0, 40 })
+            QTest::mouseClick(&window_.view(), Qt::LeftButton, {},
+                QPoint(window_.view().width() / 8 + x, window_.view().height() / 4));
+        press(Qt::Key_Escape);
+        ASSERT_TRUE(window_.model()->has_measurements());
+        press(Qt::Key_K);
+        test_support::wait_until_idle(window_);
+        ASSERT_EQ(window_.view().scenes().size(), 1U);
+        const std::string by_hand = window_.view().scenes().front().title;
+        const QList<QAction*> actions = window_.findChildren<QAction*>();
+        const auto remove = std::find_if(actions.begin(), actions.end(),
+            [](const QAction* action) { return action->text() == "Remove the measurements"; });
+        ASSERT_NE(remove, actions.end());
+        (*remove)->trigger();
+        EXPECT_FALSE(window_.model()->has_measurements());
+        EXPECT_EQ(window_.view().scenes().front().title, by_hand) << "the knife's picture stays";
     }
 
     TEST_F(MainWindowTest, NotchesOfTheWheelShareAPicture)

@@ -272,8 +272,7 @@ public:
     std::string measure(const Vec3& place);
     /// Adds a corner to the area that is measured, or begins one.
     std::string measure_area(const Vec3& corner);
-    /// What is measured next is another one.
-    /// The last measurement takes no more places. Places that give no number go.
+    /// Ends the last measurement: what is measured next is another one. Places that give no number go.
     void end_measurement();
     void forget_measurements() { measurements_.clear(); }
     /// Takes the last place back. @return false when there is none

@@ -388,6 +388,8 @@ namespace session_model_test {
         model.measure({ 6.0, 8.0, 5.0 });
         model.end_measurement();
         model.measure({ 1.0, 1.0, 1.0 });
+        model.end_measurement(); // a single place gives no number
+        EXPECT_EQ(words_of(3), 1U) << "the distance";
         model.forget_measurements();
         EXPECT_FALSE(model.has_measurements());
         EXPECT_EQ(words_of(3), 0U);

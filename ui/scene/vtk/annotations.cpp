@@ -380,7 +380,7 @@ void fill_marker(vtkRenderer& marker, vtkRenderer& main)
     cube->SetZPlusFaceText("S");
     cube->SetZMinusFaceText("I");
     // Upright for a standing patient seen from any side; S and I as seen with the front below.
-    cube->SetXFaceTextRotation(-90.0);
+    cube->SetXFaceTextRotation(0.0);
     cube->SetYFaceTextRotation(0.0);
     cube->SetZFaceTextRotation(-90.0);
     cube->SetFaceTextScale(0.60);

@@ -1337,11 +1337,10 @@ void MainWindow::measure_at(const QPointF& at)
     if (!place)
         return show_message(in_space ? "Click on the skin." : "Click on a slice.");
     const std::string text = measuring_area_ ? model_->measure_area(*place) : model_->measure(*place);
-    show_again([](const Scene&) { return true; });
+    show_measurements();
     show_message(!text.empty() ? QString::fromStdString(text)
             : measuring_area_  ? QString("Click the next corner.")
                                : QString("Click the second place."));
-    show_undo();
 }
 
 void MainWindow::set_grey_window(std::size_t index)

@@ -2,6 +2,7 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/corridor.h"
+#include "mesh/base/triangle.h"
 #include "mesh/surface/proximity.h"
 
 namespace retractor::planner {
@@ -43,10 +44,10 @@ void lift_pits(
         const auto near = surface.within(place, kDeepestMm);
         if (near.empty() || near.front().point.distance < kLeastMm)
             continue;
-        Vec3 lifted = Vec3::Zero();
-        for (int c = 0; c < 3; ++c)
-            lifted += near.front().point.barycentric[c]
-                * body.vertices.row(body.triangles[static_cast<std::size_t>(near.front().triangle)][c]).transpose();
+        const auto [a, b, c]
+            = triangle_corners(body.vertices, body.triangles[static_cast<std::size_t>(near.front().triangle)]);
+        const Vec3& weights = near.front().point.barycentric;
+        const Vec3 lifted = weights[0] * a + weights[1] * b + weights[2] * c;
         boundary.vertices.row(v) += (lifted - place).transpose();
     }
 }

@@ -12,7 +12,9 @@ import pathlib
 import re
 import subprocess
 import sys
+import textwrap
 
+COLUMNS = 120  # of the documents
 PROGRAMS = {
     "retractor": "The command line.",
     "retractor-workstation": "The window; see [the workstation](workstation.md).",
@@ -57,11 +59,19 @@ def subcommands_of(text):
     return names
 
 
+def wrapped(line):
+    """The line in lines of at most COLUMNS, the later ones below the description of an option."""
+    described = re.match(r"^ *\S.*? {2,}(?=\S)", line)
+    indent = described.end() if described else len(line) - len(line.lstrip())
+    return textwrap.wrap(line, COLUMNS, subsequent_indent=" " * indent, break_long_words=False,
+                         break_on_hyphens=False) or [""]
+
+
 def command_sections(program, words=()):
     """Markdown of a command and of those below it."""
     text = help_of(program, words)
-    tidy = "\n".join(line.rstrip() for line in text.strip().splitlines())
-    tidy = tidy.replace(str(program), program.name)
+    text = text.replace(str(program), program.name)
+    tidy = "\n".join(part for line in text.strip().splitlines() for part in wrapped(line.rstrip()))
     parts = [f"```text\n{tidy}\n```\n"]
     for name in subcommands_of(text):
         path = (*words, name)

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>

@@ -3,8 +3,8 @@
 
 #include "mesh/base/geometry.h"
 
-#include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor {
@@ -12,7 +12,8 @@ namespace retractor {
 /// The text that printf() would write, of any length.
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
 
-inline std::string in_words(double value, int digits = 0) { return formatted("%.*f", digits, value); }
+/// The number with this many digits behind the point; what rounds to zero has no sign.
+std::string in_words(double value, int digits = 0);
 
 inline std::string in_words(const Vec3& point)
 {
@@ -35,12 +36,9 @@ inline void remark(std::string& message, const std::string& text)
         message += (message.empty() ? "" : "; ") + text;
 }
 
-/// A label's name with spaces for underscores.
-inline std::string readable(std::string label)
-{
-    std::replace(label.begin(), label.end(), '_', ' ');
-    return label;
-}
+/// A label's name in words, the side first: "fat and muscle" for "fat_and_muscle", "left lung" for "lung_left", "left
+/// rib 5" for "rib_left_5". Several names are changed one by one: "left lung, heart" for "lung_left, heart".
+std::string readable(std::string_view label);
 
 /// A volume such as "966.2 cm3"; in mm3 below 0.1 cm3.
 inline std::string volume_text(double volume_mm3)

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>

@@ -62,10 +62,10 @@ std::string opinion_text(const SecondOpinion& opinion);
 /// @throws InputError naming the approach and a number that is not finite
 nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields);
 
-/// "rib left 4", "soft tissue only".
+/// "left rib 4", "soft tissue only".
 std::string bearing_text(const HookForce& hook);
 
-/// The bones in the line of sight in words: "rib left 4".
+/// The bones in the line of sight in words: "left rib 4".
 std::vector<std::string> bones_in_sight(const FieldMetrics& field);
 
 /// "aorta 12.3 mm", or "aorta: the blade passes through it".

@@ -178,7 +178,7 @@ namespace {
 
     std::string millilitres_text(double ml) { return formatted(ml < 10.0 ? "%.1f ml" : "%.0f ml", ml); }
 
-    /// The name of a row: "rib left" for "rib_left_5".
+    /// The name of a row: "rib_left_" for "rib_left_5".
     std::string row_of(const std::string& name) { return name.substr(0, name.size() - level_of(name).size()); }
 
     LegendLine legend_line(const Content& content, const mesh::LabelInfo& info, const LabelCount& count, bool rough)

@@ -45,7 +45,7 @@ namespace label_session_test {
         session.join("rib_left_4", "rib_left_5");
         session.rename("rib_left_5", "rib_left_3");
         const auto renamed = session.labels();
-        EXPECT_EQ(session.to_undo(), "rename rib left 5");
+        EXPECT_EQ(session.to_undo(), "rename left rib 5");
         EXPECT_EQ(std::ranges::count(renamed->voxels, 2), 0);
         EXPECT_NE(mesh::find_label(session.table(), "rib_left_3"), nullptr);
         session.undo();

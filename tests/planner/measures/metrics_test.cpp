@@ -52,7 +52,7 @@ namespace metrics_test {
         field.estimated = { "aorta", "rib_left_4" };
         field.if_organs_shift
             = { { .shift_mm = 10.0, .seen_best_eye = 0.12 }, { .shift_mm = 20.0, .seen_best_eye = 0.0 } };
-        EXPECT_EQ(estimated_text(field), "estimated, not seen in the image: aorta, rib left 4");
+        EXPECT_EQ(estimated_text(field), "estimated, not seen in the image: aorta, left rib 4");
         EXPECT_EQ(shifted_sight_text(field),
             "with the organs 10 mm nearer to the head the best eye sees 12.0 %, 20 mm 0.0 %");
         EXPECT_EQ(document_of(field).at("estimated").at(1), "rib_left_4");

@@ -166,9 +166,9 @@ namespace ranking_test {
         one.field.retracted = { "lung_left", "pericardium" };
         one.field.at_risk.push_back({ .name = "aorta", .distance_mm = 0.0 });
         one.divided_bones = { "sternum" };
-        const std::vector<std::string> expected { "The aorta is cut.", "The lung left lies against the blade 1.",
+        const std::vector<std::string> expected { "The aorta is cut.", "The left lung lies against the blade 1.",
             "The internal thoracic artery lies 4.0 mm from the blade that cuts.", "The sternum is sawn through.",
-            "Rib 4 on the left would break from 38 mm on.", "Held aside for this view: lung left, pericardium." };
+            "Rib 4 on the left would break from 38 mm on.", "Held aside for this view: left lung, pericardium." };
         EXPECT_EQ(crisis_check(one), expected);
     }
 

@@ -57,7 +57,7 @@ namespace tissue_values_test {
     TEST(TissueValues, NameTheBonesThatWereCutOff)
     {
         EXPECT_EQ(cut_off_text(field_with_bones().bone_stiffness),
-            "by the CT the bending stiffness lies beyond the 2 to 8 GPa of tested ribs and is cut off: rib left 5 (9.1 "
+            "by the CT the bending stiffness lies beyond the 2 to 8 GPa of tested ribs and is cut off: left rib 5 (9.1 "
             "GPa)");
         EXPECT_EQ(cut_off_text({}), "");
     }

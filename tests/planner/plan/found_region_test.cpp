@@ -112,11 +112,11 @@ namespace found_region_test {
         field.region = { .region_mm = 50.0,
             .ended_by = RegionEnd::given,
             .rim_motion_mm = 33.4,
-            .rim_place = "rib left 6, 90 mm from the incision towards the back",
+            .rim_place = "left rib 6, 90 mm from the incision towards the back",
             .force_change = 0.034 };
         EXPECT_EQ(region_text(field),
             "The model holds the wall within 50 mm of the incision (given). Where it ends, tissue moves by up to 33 mm "
-            "(rib left 6, 90 mm from the incision towards the back). By drafts, the wall beyond changes the force by "
+            "(left rib 6, 90 mm from the incision towards the back). By drafts, the wall beyond changes the force by "
             "3.4 %.");
         EXPECT_TRUE(is_region_too_small(field));
         EXPECT_TRUE(piercing_text(field).empty());

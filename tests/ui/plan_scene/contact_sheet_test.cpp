@@ -101,7 +101,7 @@ namespace contact_sheet_test {
         std::size_t rib_lines = 0;
         for (const Viewport& viewport : picture.viewports)
             for (const LegendLine& line : viewport.scene.legend)
-                if (line.key.starts_with("rib left")) {
+                if (line.key.starts_with("left rib")) {
                     ++rib_lines;
                     EXPECT_EQ(line.value, "1 2 3 4 5 6 7 8 9 10 11 12");
                 }

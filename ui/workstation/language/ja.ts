@@ -3624,14 +3624,6 @@
         <translation>心膜</translation>
     </message>
     <message>
-        <source>lung left</source>
-        <translation>左肺</translation>
-    </message>
-    <message>
-        <source>lung right</source>
-        <translation>右肺</translation>
-    </message>
-    <message>
         <source>left lung</source>
         <translation>左肺</translation>
     </message>
@@ -3701,14 +3693,6 @@
     </message>
     <message>
         <source>Right rib %1</source>
-        <translation>右第 %1 肋骨</translation>
-    </message>
-    <message>
-        <source>rib left %1</source>
-        <translation>左第 %1 肋骨</translation>
-    </message>
-    <message>
-        <source>rib right %1</source>
         <translation>右第 %1 肋骨</translation>
     </message>
     <message>
@@ -6264,11 +6248,11 @@
         <translation>%1 mm 以上</translation>
     </message>
     <message>
-        <source>lung left deflated</source>
+        <source>left lung deflated</source>
         <translation>虚脱した左肺</translation>
     </message>
     <message>
-        <source>lung right deflated</source>
+        <source>right lung deflated</source>
         <translation>虚脱した右肺</translation>
     </message>
     <message>
@@ -6444,11 +6428,11 @@
         <translation>走査線が左右の眼に交互に属する 3D モニタ用</translation>
     </message>
     <message>
-        <source>lung left, deflated</source>
+        <source>left lung, deflated</source>
         <translation>虚脱した左肺</translation>
     </message>
     <message>
-        <source>lung right, deflated</source>
+        <source>right lung, deflated</source>
         <translation>虚脱した右肺</translation>
     </message>
     <message>

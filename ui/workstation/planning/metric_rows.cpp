@@ -32,21 +32,10 @@ namespace {
 
     std::string percent(double fraction) { return number(100.0 * fraction, 1, "%"); }
 
-    /// "left rib 4", "lung left".
-    std::string structure_in_words(const std::string& label)
+    /// "left rib 4, left lung"; "none" without names.
+    std::string names_in_words(const std::vector<std::string>& names)
     {
-        for (const char* side : { "left", "right" })
-            if (const std::string prefix = std::string("rib_") + side + "_"; label.starts_with(prefix))
-                return std::string(side) + " rib " + label.substr(prefix.size());
-        return readable(label);
-    }
-
-    std::string joined(const std::vector<std::string>& words)
-    {
-        std::string out;
-        for (const std::string& word : words)
-            out += (out.empty() ? "" : ", ") + structure_in_words(word);
-        return out.empty() ? "none" : out;
+        return names.empty() ? "none" : readable(joined(names));
     }
 
     constexpr const char* kBar = " ±: estimated change of the number with a finer mesh.";
@@ -80,7 +69,7 @@ namespace {
             { { "Target", readable(field.target), "Structure that the surgeon wants to see." } } };
         add_rows(section, field, planner::MetricGroup::sight);
         if (const std::string estimated = planner::estimated_text(field); !estimated.empty())
-            section.rows.push_back({ "Estimated", joined(field.estimated),
+            section.rows.push_back({ "Estimated", names_in_words(field.estimated),
                 "Labels that the image does not show. They were estimated from their surroundings.", true });
         for (const planner::ShiftedSight& shifted : field.if_organs_shift)
             section.rows.push_back(
@@ -93,10 +82,10 @@ namespace {
                     "Seen by the best eye when the lung that is held aside keeps another share of its volume than "
                     "the assumed %.0f %%.",
                     100.0 * planner::kDeflatedLungShare) });
+        section.rows.push_back({ "Bone in sight", names_in_words(planner::bones_in_sight(field)),
+            "Bones that block the view of the target." });
         section.rows.push_back(
-            { "Bone in sight", joined(planner::bones_in_sight(field)), "Bones that block the view of the target." });
-        section.rows.push_back(
-            { "Held aside", readable(joined(field.retracted)), "Organs that are held aside in this approach." });
+            { "Held aside", names_in_words(field.retracted), "Organs that are held aside in this approach." });
         for (std::size_t i = 0; i < std::min<std::size_t>(3, field.best_eye.hidden_by.size()); ++i)
             section.rows.push_back(
                 { "Hidden by " + readable(field.best_eye.hidden_by[i].name), percent(field.best_eye.hidden_by[i].share),
@@ -352,7 +341,7 @@ std::vector<MetricSection> approach_rows(const planner::Approach& approach)
                 {} },
             asked_row("incision_length_mm", planner::incision_length(approach)),
             asked_row("cut_depth_mm", approach.depth_mm),
-            { "Held aside", joined(approach.retracted), "Organs that are held aside in this approach." },
+            { "Held aside", names_in_words(approach.retracted), "Organs that are held aside in this approach." },
         } } };
     MetricSection hooks { "Hooks", {} };
     for (const planner::HookSpec& hook : approach.hooks)

@@ -265,7 +265,7 @@ namespace report_test {
             .message = "no equilibrium with contact was found in 30 s" };
         EXPECT_TRUE(passes_through(field));
         EXPECT_EQ(contact_text(field),
-            "contact: the wall passes through the lung left by up to 3.2 mm at 12, -80, 33 mm (patient LPS), which "
+            "contact: the wall passes through the left lung by up to 3.2 mm at 12, -80, 33 mm (patient LPS), which "
             "contact would prevent; contact was not computed: no equilibrium with contact was found in 30 s");
         const auto document = metrics_document({ field }).at("approaches").at(0).at("contact");
         EXPECT_EQ(document.at("needed"), true);

@@ -55,10 +55,10 @@ namespace language_test {
 
     TEST(Phrasebook, ListsHaveNamesWithSharesAndAnAndBeforeTheLast)
     {
-        const Phrasebook book = book_of({ { "skin", "S" }, { "rib left %1", "L%1" }, { "fat and muscle", "FM" },
+        const Phrasebook book = book_of({ { "skin", "S" }, { "left rib %1", "L%1" }, { "fat and muscle", "FM" },
             { "The rest is hidden by %1.", "H: %1" }, { "%1 is thick", "T: %1" } });
-        EXPECT_EQ(translated(book, "skin and rib left 4"), QString::fromUtf8("S、L4"));
-        EXPECT_EQ(translated(book, "The rest is hidden by skin (17 %), rib left 4 (13 %) and rib left 5 (3 %)."),
+        EXPECT_EQ(translated(book, "skin and left rib 4"), QString::fromUtf8("S、L4"));
+        EXPECT_EQ(translated(book, "The rest is hidden by skin (17 %), left rib 4 (13 %) and left rib 5 (3 %)."),
             QString::fromUtf8("H: S (17 %)、L4 (13 %)、L5 (3 %)"));
         EXPECT_EQ(translated(book, "skin, fat and muscle"), QString::fromUtf8("S、FM")) << "a name with an and";
         EXPECT_EQ(translated(book, "skin and glue"), "skin and glue") << "not all of it is known";
@@ -137,9 +137,9 @@ namespace language_test {
 
     TEST(Phrasebook, AListIsNoPlaceOfAPhraseForOneName)
     {
-        const Phrasebook book = book_of({ { "rib left %1", "linke Rippe %1" }, { "heart", "Herz" } });
-        EXPECT_EQ(translated(book, "rib left 4, rib left 5"), "linke Rippe 4\u3001linke Rippe 5");
-        EXPECT_EQ(translated(book, "heart 2.5 mm, rib left 5 3 mm"), "Herz 2.5 mm\u3001linke Rippe 5 3 mm");
+        const Phrasebook book = book_of({ { "left rib %1", "linke Rippe %1" }, { "heart", "Herz" } });
+        EXPECT_EQ(translated(book, "left rib 4, left rib 5"), "linke Rippe 4\u3001linke Rippe 5");
+        EXPECT_EQ(translated(book, "heart 2.5 mm, left rib 5 3 mm"), "Herz 2.5 mm\u3001linke Rippe 5 3 mm");
         const Phrasebook more = book_of({ { "the %1", "%1" }, { "Score %1", "Punkte %1" },
             { "Score %1, the highest", "Punkte %1, am meisten" }, { "blade: %1", "Blatt: %1" } });
         EXPECT_EQ(translated(more, "Score 12, the highest"), "Punkte 12, am meisten");
@@ -189,7 +189,7 @@ namespace language_test {
                 "a "
                 "lamp see 48 %. Two instruments reach 49 %. A finger ends 31 mm before the aneurysm. What stays hidden "
                 "is its anterior, superior and right part. The rest is hidden by right blade (17 %), pulmonary artery "
-                "(13 %), lung left deflated (11 %) and skin (10 %).",
+                "(13 %), left lung deflated (11 %) and skin (10 %).",
                 "cortex of 13.5 GPa [2013] over 26 % of the section, median of 20 sections in the CT",
                 "Rib 4 on the left would break in its posterior part, 110 mm from the spine, from an opening of about "
                 "23 "

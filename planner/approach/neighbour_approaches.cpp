@@ -261,7 +261,9 @@ namespace {
         const double moved = (middle_of(*neighbour.approach) - middle_of(approach)).norm();
         if (moved < kLeastStepMm) {
             neighbour.approach.reset();
-            neighbour.refused = "the space leaves room for " + in_words(std::round(moved)) + " mm only";
+            neighbour.refused = std::round(moved) < 1.0
+                ? "the space leaves no room that way"
+                : "the space leaves room for " + in_words(moved) + " mm only";
         } else {
             neighbour.where = in_words(std::round(moved)) + " mm " + direction;
             neighbour.approach->name

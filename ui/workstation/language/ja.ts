@@ -5768,6 +5768,10 @@
         <translation>未計画</translation>
     </message>
     <message>
+        <source>the space leaves no room that way</source>
+        <translation>肋間にその方向の余地がありません</translation>
+    </message>
+    <message>
         <source>the space leaves room for %1 mm only</source>
         <translation>肋間の余地は %1 mm だけです</translation>
     </message>

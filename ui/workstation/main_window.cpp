@@ -1376,11 +1376,14 @@ void MainWindow::open_manual()
     if (!folder)
         return show_message("The manual is not installed beside the program. It is also in the source, in docs/user.");
     const QString heading = start_page_shown()        ? "The start page"
+        : in_conference()                             ? "In the case conference"
         : labels_tab_open()                           ? "Correcting labels"
         : knife_tab_open()                            ? "Cutting by hand"
         : measuring_                                  ? "Measuring"
         : editor_->drawing()                          ? "Approaches"
         : model_->shown_view() == ViewPreset::compare ? "Comparing"
+        : model_->map()                               ? "Numbers as colours"
+        : slices_shown()                              ? "Looking inside"
                                                       : "";
     show_manual(*folder, "workstation.md", heading, this);
 }

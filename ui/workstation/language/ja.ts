@@ -2400,14 +2400,6 @@
         <translation>力とひずみ</translation>
     </message>
     <message>
-        <source>... at</source>
-        <translation>… 位置</translation>
-    </message>
-    <message>
-        <source>Place of the strain: left, back, head (patient LPS), before opening.</source>
-        <translation>ひずみの位置。開く前の、左、後ろ、頭（患者の LPS 座標）。</translation>
-    </message>
-    <message>
         <source>Rupture</source>
         <translation>断裂</translation>
     </message>

@@ -189,12 +189,6 @@ namespace {
         add_moments(section, field);
         add_bone_stiffness(section, field);
         add_rows(section, field, planner::MetricGroup::strain);
-        if (field.strain_p99_at) {
-            const Vec3& at = *field.strain_p99_at;
-            section.rows.push_back(
-                { "... at", number(at.x(), 0, "") + ", " + number(at.y(), 0, "") + ", " + number(at.z(), 0, "mm"),
-                    "Place of the strain: left, back, head (patient LPS), before opening." });
-        }
         add_tissue_strain(section, field);
         add_bones(section, field);
         if (planner::may_rupture(field))

@@ -32,7 +32,7 @@ namespace {
         // thick walls: a blade that ends in the fat above the bone opens the skin only.
         static const std::array<RetractorKind, 3> kinds { {
             { .kind = "finochietto",
-                .meaning = "rib spreader: two broad blades on a rack, each turns about its arm",
+                .meaning = "two broad blades on a rack, each turns about its arm",
                 .blade_width_mm = 48.0,
                 .blade_depth_mm = 65.0,
                 .deepest_blade_mm = 100.0,
@@ -40,7 +40,7 @@ namespace {
                 .greatest_opening_mm = 200.0,
                 .source = "ours" },
             { .kind = "sternal",
-                .meaning = "sternal spreader: two long blades, almost fixed to their arms",
+                .meaning = "two long blades, almost fixed to their arms",
                 .blade_width_mm = 90.0,
                 .blade_depth_mm = 35.0,
                 .deepest_blade_mm = 80.0,
@@ -48,7 +48,7 @@ namespace {
                 .greatest_opening_mm = 200.0,
                 .source = "ours" },
             { .kind = "midcab",
-                .meaning = "retractor for small incisions (MIDCAB, mitral valve): two small blades",
+                .meaning = "two small blades, for small incisions and the mitral valve",
                 .blade_width_mm = 30.0,
                 .blade_depth_mm = 40.0,
                 .deepest_blade_mm = 80.0,
@@ -244,7 +244,7 @@ fem::BladeFrame blade_frame_of(const Approach& approach)
 
 std::string retractor_text(const RetractorSpec& retractor)
 {
-    return retractor.kind + ", "
+    return instrument_name(retractor.kind) + ", "
         + (retractor.force_N ? in_words(*retractor.force_N, 1) + " N" : in_words(retractor.opening_mm, 1) + " mm");
 }
 

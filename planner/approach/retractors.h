@@ -74,7 +74,7 @@ std::vector<HookSpec> blades_of(const Approach& approach);
 /// @pre approach.retractor, and approach.hooks are blades_of() the approach
 fem::BladeFrame blade_frame_of(const Approach& approach);
 
-/// "finochietto, 60 mm", "sternal, 200 N".
+/// "Finochietto rib spreader, 60.0 mm", "sternal spreader, 200.0 N".
 std::string retractor_text(const RetractorSpec& retractor);
 
 } // namespace retractor::planner

@@ -246,6 +246,14 @@ mesh::CutOptions cut_options_of(const Approach& approach, const mesh::LabelTable
     return { .uncut_labels = mesh::label_ids(table, approach.uncut_labels) };
 }
 
+std::string instrument_name(const std::string& kind)
+{
+    return kind == "finochietto" ? "Finochietto rib spreader"
+        : kind == "sternal"      ? "sternal spreader"
+        : kind == "midcab"       ? "MIDCAB retractor"
+                                 : kind;
+}
+
 std::string target_name(const TargetSpec& target)
 {
     if (target.is_sphere())

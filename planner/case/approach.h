@@ -73,6 +73,10 @@ struct RetractorSpec {
     HookHold hold = HookHold::contact; ///< of both blades
 };
 
+/// The instrument as surgeons call it: "Finochietto rib spreader" for "finochietto", "sternal spreader", "MIDCAB
+/// retractor". Another kind is one of the user's own table and keeps its name.
+std::string instrument_name(const std::string& kind);
+
 /// What the surgeon wants to see: a label, a site on a label's surface, or a sphere where no label was drawn.
 struct TargetSpec {
     std::string label; ///< empty: the sphere

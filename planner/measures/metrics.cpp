@@ -886,8 +886,8 @@ std::string retractor_text(const FieldMetrics& field)
     if (!field.retractor)
         return {};
     const RetractorMetrics& retractor = *field.retractor;
-    std::string text = formatted("retractor %s opens %.1f mm with %.1f N along its rack", retractor.kind.c_str(),
-        retractor.opening_mm, retractor.rack_force_N);
+    std::string text = formatted("the %s opens %.1f mm with %.1f N along its rack",
+        instrument_name(retractor.kind).c_str(), retractor.opening_mm, retractor.rack_force_N);
     for (const BladeMetrics& blade : retractor.blades)
         text += "; " + readable(blade.name) + ": " + blade_text(blade);
     return text

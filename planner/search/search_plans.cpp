@@ -148,7 +148,7 @@ namespace {
             return {}; // its blades do not fit here
         }
         proposal.approach.name += "_" + opened.retractor;
-        proposal.words += ", opened by a " + opened.retractor + " retractor";
+        proposal.words += ", opened by a " + instrument_name(opened.retractor);
         return { std::move(proposal) };
     }
 

@@ -591,7 +591,7 @@ void WoundHooks::lose(fem::HookId hook)
 {
     const Rack* rack = rack_of(hook);
     remark_ += (remark_.empty() ? "" : "; ")
-        + (rack != nullptr ? "the " + rack->state.kind + " retractor" : state(hook).name)
+        + (rack != nullptr ? "the " + instrument_name(rack->state.kind) : state(hook).name)
         + " has lost its tissue and was removed";
     take_off(hook);
 }

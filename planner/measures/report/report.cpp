@@ -186,7 +186,9 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 std::string words;
                 if (f.retractor)
                     for (const BladeMetrics& blade : f.retractor->blades)
-                        remark(words, f.retractor->kind + ", " + readable(blade.name) + ": " + blade_text(blade));
+                        remark(words,
+                            instrument_name(f.retractor->kind) + ", " + readable(blade.name) + ": "
+                                + blade_text(blade));
                 return words.empty() ? std::string("none") : escaped(words);
             });
         if (std::any_of(fields.begin(), fields.end(), has_limited_hooks))

@@ -1,5 +1,6 @@
 #include "ui/workstation/cutting/knife_panel.h"
 
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/verdict.h"
 #include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
@@ -144,16 +145,7 @@ namespace {
                                          : QString("more than %1 N").arg(2.0 * kStrongestN, 0, 'f', 0);
     }
 
-    /// "Finochietto", from "finochietto".
-    QString retractor_name(const std::string& kind)
-    {
-        QString name = QString::fromStdString(kind);
-        if (name == "midcab")
-            return "MIDCAB";
-        return name.left(1).toUpper() + name.mid(1);
-    }
-
-    /// "Finochietto open 45 of 200 mm, 120 N on each blade".
+    /// "Finochietto rib spreader open 45 of 200 mm, 120 N on each blade".
     QString retractor_text(const planner::RetractorState& retractor)
     {
         constexpr double kSaidImbalance = 0.05; // below, one figure says it
@@ -164,7 +156,7 @@ namespace {
             ? QString("%1 and %2 on its blades: not at rest").arg(newtons(first)).arg(newtons(second))
             : newtons(retractor.force_N) + " on each blade";
         return QString("%1 open %2 of %3 mm, %4")
-            .arg(retractor_name(retractor.kind))
+            .arg(QString::fromStdString(planner::capital(planner::instrument_name(retractor.kind))))
             .arg(std::max(0.0, retractor.opening_mm), 0, 'f', 0)
             .arg(retractor.greatest_opening_mm, 0, 'f', 0)
             .arg(forces);
@@ -501,7 +493,8 @@ QWidget* KnifePanel::make_hooks()
     instrument_->addItem("a hook");
     for (const planner::RetractorKind& kind : planner::built_in_retractors())
         instrument_->addItem(
-            retractor_name(kind.kind) + ": " + QString::fromStdString(kind.meaning), QString::fromStdString(kind.kind));
+            QString::fromStdString(planner::capital(planner::instrument_name(kind.kind)) + ": " + kind.meaning),
+            QString::fromStdString(kind.kind));
     instrument_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
     instrument_->setMinimumContentsLength(12);
     form->addRow("Set", instrument_);

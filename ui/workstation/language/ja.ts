@@ -2064,8 +2064,8 @@
         <translation>切開の深さ</translation>
     </message>
     <message>
-        <source>The same as now</source>
-        <translation>今のまま</translation>
+        <source>The same as now: %1</source>
+        <translation>今のまま：%1</translation>
     </message>
     <message>
         <source>Nothing yet (only cut)</source>
@@ -3828,36 +3828,48 @@
         <translation>%1の弁輪</translation>
     </message>
     <message>
-        <source>Finochietto: %1</source>
-        <translation>フィノチェット：%1</translation>
+        <source>Finochietto rib spreader: %1</source>
+        <translation>フィノチェット開胸器：%1</translation>
     </message>
     <message>
-        <source>Sternal: %1</source>
-        <translation>胸骨用：%1</translation>
+        <source>Sternal spreader: %1</source>
+        <translation>胸骨開創器：%1</translation>
     </message>
     <message>
-        <source>MIDCAB: %1</source>
-        <translation>MIDCAB：%1</translation>
+        <source>MIDCAB retractor: %1</source>
+        <translation>MIDCAB 用開創器：%1</translation>
     </message>
     <message>
-        <source>rib spreader: two broad blades on a rack, each turns about its arm</source>
-        <translation>開胸器：ラックに幅広のブレード二枚、それぞれがアームのまわりに回る</translation>
+        <source>two broad blades on a rack, each turns about its arm</source>
+        <translation>ラックに幅広のブレード二枚、それぞれがアームのまわりに回る</translation>
     </message>
     <message>
-        <source>sternal spreader: two long blades, almost fixed to their arms</source>
-        <translation>胸骨開創器：長いブレード二枚、アームにほぼ固定</translation>
+        <source>two long blades, almost fixed to their arms</source>
+        <translation>長いブレード二枚、アームにほぼ固定</translation>
     </message>
     <message>
-        <source>retractor for small incisions (MIDCAB, mitral valve): two small blades</source>
-        <translation>小切開用の開創器（MIDCAB、僧帽弁）：小さなブレード二枚</translation>
+        <source>two small blades, for small incisions and the mitral valve</source>
+        <translation>小さなブレード二枚、小切開と僧帽弁用</translation>
     </message>
     <message>
-        <source>Finochietto</source>
-        <translation>フィノチェット</translation>
+        <source>Finochietto rib spreader</source>
+        <translation>フィノチェット開胸器</translation>
     </message>
     <message>
-        <source>Sternal</source>
-        <translation>胸骨用</translation>
+        <source>sternal spreader</source>
+        <translation>胸骨開創器</translation>
+    </message>
+    <message>
+        <source>Sternal spreader</source>
+        <translation>胸骨開創器</translation>
+    </message>
+    <message>
+        <source>MIDCAB retractor</source>
+        <translation>MIDCAB 用開創器</translation>
+    </message>
+    <message>
+        <source>no hooks</source>
+        <translation>鉤なし</translation>
     </message>
     <message>
         <source>Thoracotomy, %1 space</source>
@@ -4392,18 +4404,6 @@
         <translation>中止中</translation>
     </message>
     <message>
-        <source>finochietto: %1</source>
-        <translation>フィノチェット：%1</translation>
-    </message>
-    <message>
-        <source>sternal: %1</source>
-        <translation>胸骨用：%1</translation>
-    </message>
-    <message>
-        <source>midcab: %1</source>
-        <translation>MIDCAB：%1</translation>
-    </message>
-    <message>
         <source>Take the last cut or the last change of the hooks back (Ctrl+Z)</source>
         <translation>直前の切開または鉤の変更を取り消す (Ctrl+Z)</translation>
     </message>
@@ -4724,8 +4724,8 @@
         <translation>%1は組織から外れたので取り除きました</translation>
     </message>
     <message>
-        <source>the %1 retractor has lost its tissue and was removed</source>
-        <translation>開創器（%1）は組織から外れたので取り除きました</translation>
+        <source>the %1 has lost its tissue and was removed</source>
+        <translation>%1は組織から外れたので取り除きました</translation>
     </message>
     <message>
         <source>a hook or blade already holds the wound here: drag it, or press farther away from it</source>
@@ -5608,8 +5608,8 @@
         <translation>上腹部</translation>
     </message>
     <message>
-        <source>retractor %1 opens %2 mm with %3 N along its rack</source>
-        <translation>開創器 %1 はラックに沿う %3 N で %2 mm 開きます</translation>
+        <source>the %1 opens %2 mm with %3 N along its rack</source>
+        <translation>%1はラックに沿う %3 N で %2 mm 開きます</translation>
     </message>
     <message>
         <source>%1, left blade: %2, %3, right blade: %4</source>

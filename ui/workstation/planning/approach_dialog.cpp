@@ -2,6 +2,7 @@
 
 #include "mesh/base/text_format.h"
 #include "planner/approach/retractors.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "ui/workstation/language/language.h"
 #include "ui/workstation/view/controls.h"
 
@@ -183,7 +184,9 @@ void ApproachDialog::add_target_and_opening(QFormLayout& form, const std::vector
     if (asks_ == Asks::opening)
         opened_by_->addItem("The same as now", kAsItIs);
     for (const planner::RetractorKind& kind : planner::built_in_retractors())
-        opened_by_->addItem(QString::fromStdString(kind.kind + ": " + kind.meaning), QString::fromStdString(kind.kind));
+        opened_by_->addItem(
+            QString::fromStdString(planner::capital(planner::instrument_name(kind.kind)) + ": " + kind.meaning),
+            QString::fromStdString(kind.kind));
     for (const HookSet& set : kHookSets)
         opened_by_->addItem(set.words, kHooksPrefix + set.hooks);
     opened_by_->addItem("Nothing yet (only cut)", kNothing);
@@ -239,6 +242,11 @@ void ApproachDialog::show_draft(const planner::ApproachDraft& draft)
 }
 
 void ApproachDialog::set_usual_name(const QString& name) { name_->setPlaceholderText(translated(name)); }
+
+void ApproachDialog::set_present_instrument(const QString& words)
+{
+    opened_by_->setItemText(opened_by_->findData(kAsItIs), translated("The same as now: " + words));
+}
 
 planner::ApproachDraft ApproachDialog::draft() const
 {

@@ -38,6 +38,8 @@ public:
     void show_draft(const planner::ApproachDraft& draft);
     /// Shown in place of an empty name.
     void set_usual_name(const QString& name);
+    /// Names the hooks or the retractor that the approach has now. @pre Asks::opening
+    void set_present_instrument(const QString& words);
     /// The draft as it stands now; its points are those shown. Where hooks or retractor stay, the opening is that of
     /// the field, and 0 where they have none.
     planner::ApproachDraft draft() const;

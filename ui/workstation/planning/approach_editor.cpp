@@ -285,6 +285,10 @@ void ApproachEditor::change_opening()
         .target = target,
         .opened_by = { .opening_mm = planner::asked_opening_mm(approach) } });
     dialog->set_usual_name(QString::fromStdString(spoken));
+    dialog->set_present_instrument(
+        QString::fromStdString(approach.retractor ? planner::instrument_name(approach.retractor->kind)
+                : approach.hooks.empty()          ? "no hooks"
+                                                  : formatted("%zu hooks", approach.hooks.size())));
     ask(
         dialog,
         [approach, target, dialog](const planner::ApproachDraft& draft) -> Make {

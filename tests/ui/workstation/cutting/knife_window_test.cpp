@@ -311,7 +311,7 @@ namespace knife_window_test {
         wait_until_idle();
         EXPECT_NEAR(snapshot().hooks.retractors.at(0).opening_mm, dragged.opening_mm + 6.0, 1e-9);
         EXPECT_GT(snapshot().hooks.retractors.at(0).force_N, dragged.force_N);
-        EXPECT_TRUE(window_->knife_panel().hook_numbers().contains("Finochietto open 1"))
+        EXPECT_TRUE(window_->knife_panel().hook_numbers().contains("Finochietto rib spreader open 1"))
             << window_->knife_panel().hook_numbers().toStdString();
         window_->save_screenshot(picture_folder() / "workstation_retractor.png");
         // It becomes an approach to plan, and the wound is still there.

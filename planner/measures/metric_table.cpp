@@ -205,7 +205,7 @@ namespace {
         MetricField { .key = "hook_force_N",
             .group = MetricGroup::force,
             .unit = MetricUnit::N,
-            .caption = "Hook force, larger side",
+            .caption = "Force, larger side",
             .meaning
             = "Sum over the hooks of the side that pulls harder, at the last turn of a slow opening where they are "
               "moved by a distance.",

@@ -174,8 +174,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 out << "<td>" << text(field) << "</td>";
             out << "</tr>";
         };
-        text_row(
-            "Prescribed opening between opposite hooks", [](const FieldMetrics& f) { return escaped(asked_text(f)); });
+        text_row("Planned opening, from side to side", [](const FieldMetrics& f) { return escaped(asked_text(f)); });
         text_row("... reached by the tissue under them",
             [](const FieldMetrics& f) { return in_words(hook_opening(f).reached_mm, 1) + " mm"; });
         if (std::ranges::any_of(fields, [](const FieldMetrics& f) { return f.force_moments.has_value(); }))

@@ -2440,6 +2440,10 @@
         <translation>器械の種類と、開きまたは力。</translation>
     </message>
     <message>
+        <source>Kind</source>
+        <translation>種類</translation>
+    </message>
+    <message>
         <source>Steps of the crank. Slower steps take less force.</source>
         <translation>ラックの回し方。ゆっくり回すほど力は小さい。</translation>
     </message>
@@ -3032,8 +3036,8 @@
         <translation>刃に沿う切開の深さ。</translation>
     </message>
     <message>
-        <source>Hook force, larger side</source>
-        <translation>鉤の力（大きい側）</translation>
+        <source>Force, larger side</source>
+        <translation>力（大きい側）</translation>
     </message>
     <message>
         <source>Sum over the hooks of the side that pulls harder, at the last turn of a slow opening where they are moved by a distance.</source>
@@ -5520,8 +5524,8 @@
         <translation>臓器や肺の位置が変わっても%1が最もよく見えます：肺が体積の %3 % で %2 %、%5 % で %4 %。</translation>
     </message>
     <message>
-        <source>Prescribed opening between opposite hooks</source>
-        <translation>向かい合う鉤の間の指定開口</translation>
+        <source>Planned opening, from side to side</source>
+        <translation>予定の開き（側から側まで）</translation>
     </message>
     <message>
         <source>Retractor, force and moment per blade</source>
@@ -5760,12 +5764,12 @@
         <translation>未計画</translation>
     </message>
     <message>
-        <source>the space leaves no room that way</source>
-        <translation>肋間にその方向の余地がありません</translation>
-    </message>
-    <message>
         <source>the space leaves room for %1 mm only</source>
         <translation>肋間の余地は %1 mm だけです</translation>
+    </message>
+    <message>
+        <source>the space leaves no room that way</source>
+        <translation>肋間にその方向の余地がありません</translation>
     </message>
     <message>
         <source>It is centred where the space comes nearest to the target (%1 mm), as far as the shoulder blade, the back muscles and the ribs' ends allow.</source>

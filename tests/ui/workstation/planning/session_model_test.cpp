@@ -478,7 +478,7 @@ namespace session_model_test {
         const auto sections = field_rows(field);
         EXPECT_EQ(row_of(sections, "Target seen, best eye").value, "62.3 %");
         EXPECT_EQ(row_of(sections, "Opening area").value, "42.1 cm²");
-        EXPECT_EQ(row_of(sections, "Hook force, larger side").value, "41.3 N");
+        EXPECT_EQ(row_of(sections, "Force, larger side").value, "41.3 N");
         EXPECT_EQ(row_of(sections, "Hook left 1").value, "20.0 N");
         EXPECT_EQ(field_summary(field), "62 % seen, 41 N, 42 cm²");
         field.opening_width_mm = 57.9;
@@ -490,7 +490,7 @@ namespace session_model_test {
         const auto estimated = field_rows(field);
         EXPECT_EQ(row_of(estimated, "Target seen, best eye").value, "62.3 ± 2.3 %");
         EXPECT_EQ(row_of(estimated, "Opening width").value, "57.9 ± 1.2 mm");
-        EXPECT_EQ(row_of(estimated, "Hook force, larger side").value, "41.3 ± 10.5 N");
+        EXPECT_EQ(row_of(estimated, "Force, larger side").value, "41.3 ± 10.5 N");
         EXPECT_EQ(row_of(estimated, "Hook left 1").value, "20.0 ± 5.2 N");
         bars.message = "not known";
         EXPECT_EQ(row_of(field_rows(field), "Opening width").value, "57.9 mm");

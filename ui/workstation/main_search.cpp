@@ -29,7 +29,7 @@ void MainWindow::search_incisions()
         planner::add_proposals(present, taken);
         const std::vector<planner::Approach> added(
             present.approaches.begin() + static_cast<std::ptrdiff_t>(before), present.approaches.end());
-        model_->add_approaches(added, added.size() == 1 ? "add " + added.front().name : "add proposals");
+        model_->add_approaches(added, added.size() == 1 ? "add " + planner::spoken_name(added.front()) : "add proposals");
         model_->select(before);
         editor_->on_edit();
         show_message("Added: plan with P, compare with 5.");

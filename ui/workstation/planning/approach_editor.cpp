@@ -217,7 +217,7 @@ void ApproachEditor::finish_moving()
         [this, refuse, drawing = drawings_, at = *index](planner::Approach approach) {
             if (drawing != drawings_)
                 return; // it was discarded meanwhile
-            const std::string name = approach.name;
+            const std::string name = planner::spoken_name(approach);
             try {
                 model_->replace_approach(at, std::move(approach), "move the incision of " + name);
             } catch (...) {
@@ -278,7 +278,7 @@ void ApproachEditor::change_opening()
             { target,
                 approach.target.is_sphere()     ? "a ball, as it is"
                     : approach.target.is_site() ? readable(target) + ", as it is"
-                                                : target });
+                                                : readable(target) });
     auto* dialog = new ApproachDialog(ApproachDialog::Asks::opening, targets, &window_);
     const std::string spoken = planner::spoken_name(approach);
     dialog->show_draft({ .name = spoken == approach.name ? approach.name : std::string(),
@@ -310,7 +310,7 @@ void ApproachEditor::change_opening()
             const auto selected = model_->selected();
             if (!selected || model_->id(*selected) != id)
                 return;
-            const QString name = QString::fromStdString(changed_approach.name);
+            const QString name = QString::fromStdString(planner::spoken_name(changed_approach));
             model_->replace_approach(*selected, std::move(changed_approach), "change " + name.toStdString());
             changed("Changed " + name);
         });
@@ -327,7 +327,7 @@ void ApproachEditor::change_blade(double depth_mm, const Vec3& inward)
             const auto selected = model_->selected();
             if (!selected || model_->id(*selected) != id)
                 return;
-            const std::string name = with_blade.name;
+            const std::string name = planner::spoken_name(with_blade);
             const double depth = with_blade.depth_mm;
             try {
                 model_->replace_approach(*selected, std::move(with_blade), "set the blade of " + name);
@@ -418,7 +418,7 @@ void ApproachEditor::add_neighbours()
         return;
     const planner::Approach approach = model_->approach(*model_->selected());
     work<std::vector<planner::NeighbourApproach>>([find = backend_.neighbours, approach] { return find(approach); },
-        [this, name = approach.name](const std::vector<planner::NeighbourApproach>& neighbours) {
+        [this, name = planner::spoken_name(approach)](const std::vector<planner::NeighbourApproach>& neighbours) {
             std::vector<planner::Approach> added;
             std::vector<std::string> places, there;
             std::map<std::string, std::vector<std::string>> missing; ///< places by reason
@@ -454,7 +454,7 @@ void ApproachEditor::remove()
 {
     if (model_ == nullptr || !model_->selected())
         return;
-    const QString name = QString::fromStdString(model_->approach(*model_->selected()).name);
+    const QString name = QString::fromStdString(planner::spoken_name(model_->approach(*model_->selected())));
     model_->remove_approach(*model_->selected());
     changed("Removed " + name + ". Ctrl+Z brings it back.");
 }

@@ -2,6 +2,7 @@
 
 #include "mesh/base/text_format.h"
 #include "planner/anatomy/deflated_lung.h"
+#include "planner/approach/approach_draft.h"
 #include "planner/approach/retractors.h"
 #include "planner/case/opening_protocol.h"
 #include "planner/measures/accuracy.h"
@@ -328,7 +329,7 @@ std::vector<MetricSection> approach_rows(const planner::Approach& approach)
 {
     std::vector<MetricSection> sections { { "Approach",
         {
-            { "Template", approach.template_name, {} },
+            { "Kind", planner::surgical_name(approach), {} },
             { "Target",
                 approach.target.is_sphere() ? "sphere of " + number(approach.target.radius_mm, 0, "mm")
                                             : readable(planner::target_name(approach.target)),

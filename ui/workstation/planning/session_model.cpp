@@ -154,7 +154,7 @@ void SessionModel::begin_edit(std::string what)
 void SessionModel::add_approach(planner::Approach approach)
 {
     planner::Case edited = case_;
-    const std::string what = "add " + approach.name;
+    const std::string what = "add " + planner::spoken_name(approach);
     planner::add_approach(edited, std::move(approach));
     begin_edit(what);
     case_ = std::move(edited);
@@ -190,7 +190,7 @@ void SessionModel::replace_approach(std::size_t index, planner::Approach approac
 
 void SessionModel::remove_approach(std::size_t index)
 {
-    begin_edit("remove " + approach(index).name);
+    begin_edit("remove " + planner::spoken_name(approach(index)));
     case_.approaches.erase(case_.approaches.begin() + static_cast<std::ptrdiff_t>(index));
     ids_.erase(ids_.begin() + static_cast<std::ptrdiff_t>(index));
     selected_ = ids_.empty() ? std::nullopt : std::optional(std::min(index, ids_.size() - 1));

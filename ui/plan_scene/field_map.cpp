@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -232,31 +233,74 @@ namespace {
         return map;
     }
 
+    constexpr Label kNotMeasured = 0; ///< of parts of the target that no sample is near
+
+    /// The target, each triangle with the label of the nearest sample.
+    TriMesh labelled_target(planner::Patient& patient, const planner::PlannedField& field,
+        const std::function<Label(std::size_t sample)>& label_of)
+    {
+        TriMesh target = *patient.target(field.approach.target);
+        target.labels.assign(target.triangles.size(), kNotMeasured);
+        const std::vector<planner::SurfaceSample>& samples = field.exposure.sample_points;
+        for (std::size_t t = 0; t < target.triangles.size(); ++t) {
+            const Vec3 at = middle_of(target, t);
+            double nearest = kFarthestSampleMm * kFarthestSampleMm;
+            for (std::size_t s = 0; s < samples.size(); ++s)
+                if (const double squared = (samples[s].position - at).squaredNorm(); squared < nearest) {
+                    nearest = squared;
+                    target.labels[t] = label_of(s);
+                }
+        }
+        return target;
+    }
+
     std::optional<SceneMap> sight_map(planner::Patient& patient, const planner::PlannedField& field)
     {
         const planner::Exposure& exposure = field.exposure;
         if (exposure.sample_points.empty() || exposure.sample_seen.size() != exposure.sample_points.size())
             return std::nullopt;
-        auto target = std::make_shared<TriMesh>(*patient.target(field.approach.target));
-        constexpr Label kNotMeasured = 0;
-        target->labels.assign(target->triangles.size(), kNotMeasured);
         const MapLabels labels(share_classes(), { { kNotMeasured, { .color = target_color() } } });
-        for (std::size_t t = 0; t < target->triangles.size(); ++t) {
-            const Vec3 at = middle_of(*target, t);
-            double nearest = kFarthestSampleMm * kFarthestSampleMm;
-            std::optional<double> seen;
-            for (std::size_t s = 0; s < exposure.sample_points.size(); ++s)
-                if (const double squared = (exposure.sample_points[s].position - at).squaredNorm(); squared < nearest) {
-                    nearest = squared;
-                    seen = exposure.sample_seen[s];
-                }
-            if (seen)
-                target->labels[t] = labels.of(100.0 * *seen);
-        }
+        const auto target = std::make_shared<const TriMesh>(labelled_target(
+            patient, field, [&](std::size_t sample) { return labels.of(100.0 * exposure.sample_seen[sample]); }));
         SceneMap map { .on_target = true, .legend = { { "eyes that see the place", "" } } };
         map.surfaces.push_back({ .name = "target", .mesh = target, .look_of_label = labels.looks });
         add_legend(map, share_classes(), "%", std::nullopt);
         map.legend.push_back({ "eyes of the cone", std::to_string(exposure.eyes.size()) });
+        return map;
+    }
+
+    /// Colours that colour-blind people tell apart, the brightest for what both reach.
+    std::optional<SceneMap> reach_map(planner::Patient& patient, const planner::PlannedField& field)
+    {
+        const std::size_t count = field.exposure.sample_points.size();
+        if (count == 0)
+            return std::nullopt;
+        constexpr Label kNeither = 1, kFinger = 2, kInstruments = 4; // the labels of a sample's reach are added
+        std::vector<Label> reach(count, kNeither);
+        const auto add = [&](const std::vector<std::uint32_t>& samples, Label by) {
+            for (const std::uint32_t sample : samples)
+                if (sample < count)
+                    reach[sample] = static_cast<Label>(reach[sample] + by);
+        };
+        add(field.best_eye.finger_touches, kFinger);
+        add(field.best_eye.two_instruments_reach, kInstruments);
+        const std::map<Label, Look> looks { { kNotMeasured, { .color = target_color() } },
+            { kNeither, { .color = { 0.27, 0.00, 0.33 } } }, { kNeither + kFinger, { .color = { 0.13, 0.57, 0.55 } } },
+            { kNeither + kInstruments, { .color = { 0.93, 0.53, 0.18 } } },
+            { kNeither + kFinger + kInstruments, { .color = { 0.99, 0.91, 0.14 } } } };
+        SceneMap map { .on_target = true, .legend = { { "reach through the wound", "" } } };
+        map.surfaces.push_back({ .name = "target",
+            .mesh = std::make_shared<const TriMesh>(
+                labelled_target(patient, field, [&](std::size_t sample) { return reach[sample]; })),
+            .look_of_label = looks });
+        const auto line = [&](const char* words, Label label) {
+            map.legend.push_back({ words, " ", looks.at(label).color });
+        };
+        line("finger and two instruments", kNeither + kFinger + kInstruments);
+        line("two instruments", kNeither + kInstruments);
+        line("a finger", kNeither + kFinger);
+        line("neither", kNeither);
+        map.legend.push_back({ "instruments: where the best eye sees the place", "" });
         return map;
     }
 
@@ -345,6 +389,8 @@ std::optional<SceneMap> field_map(planner::Patient& patient, const planner::Plan
         return risk_map(patient, field);
     case FieldMapKind::sight:
         return sight_map(patient, field);
+    case FieldMapKind::reach:
+        return reach_map(patient, field);
     case FieldMapKind::eyes:
         break;
     }

@@ -21,6 +21,7 @@ enum class FieldMapKind {
     risk, ///< distance of the opened wall and the steel from the nearest structure at risk
     sight, ///< of the target: share of the eyes of the cone that see each part
     eyes, ///< share of the target that each eye of the cone sees
+    reach, ///< of the target: what a finger touches, and what two instruments reach
 };
 
 struct FieldMapName {
@@ -28,12 +29,13 @@ struct FieldMapName {
     const char* name; ///< in options and names of files
     const char* words; ///< in menus and captions
 };
-inline constexpr std::array<FieldMapName, 5> kFieldMaps { {
+inline constexpr std::array<FieldMapName, 6> kFieldMaps { {
     { FieldMapKind::strain, "strain", "Strain" },
     { FieldMapKind::pressure, "pressure", "Pressure of the blades" },
     { FieldMapKind::risk, "risk", "Distance to structures at risk" },
     { FieldMapKind::sight, "sight", "How much of the view shows each part of the target" },
     { FieldMapKind::eyes, "eyes", "Where the eye sees how much" },
+    { FieldMapKind::reach, "reach", "What a finger and two instruments reach" },
 } };
 
 /// Reads a name of kFieldMaps. @throws InputError naming the kinds that there are

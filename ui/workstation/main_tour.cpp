@@ -50,7 +50,7 @@ namespace {
         TourStep { "What the surgeon sees",
             "This is the view through the incision from the best place of the eye; the target is green. O switches "
             "between "
-            "before and after the cut, Ctrl+1 to Ctrl+5 show numbers as colours, 6 and 7 look through an endoscope.",
+            "before and after the cut, Ctrl+1 to Ctrl+6 show numbers as colours, 6 and 7 look through an endoscope.",
             ViewPreset::surgeon, true, WallLook::solid },
         TourStep { "By hand",
             "K is the knife: draw a cut on the skin. H sets hooks on its edges; drag them, and the panel says which "

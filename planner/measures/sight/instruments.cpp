@@ -109,13 +109,14 @@ Vec3 across_of(const Vec3& line, const OpeningGeometry& opening)
     return (across.squaredNorm() > other.squaredNorm() ? across : other).normalized();
 }
 
-std::size_t count_reached_by_two(const RayScene& scene, const OpeningGeometry& opening,
+std::vector<std::size_t> reached_by_two(const RayScene& scene, const OpeningGeometry& opening,
     const std::vector<SurfaceSample>& samples, const std::vector<std::size_t>& places, const Job& job)
 {
     const std::vector<Vec3> gates = gates_of(opening);
-    std::size_t reached = 0;
+    std::vector<std::size_t> reached;
     for (std::size_t i = 0; i < places.size() && !job.cancelled(); ++i) {
-        reached += two_shafts_reach(scene, opening, gates, samples[places[i]].position) ? 1 : 0;
+        if (two_shafts_reach(scene, opening, gates, samples[places[i]].position))
+            reached.push_back(places[i]);
         job.report("instruments", static_cast<double>(i + 1) / static_cast<double>(places.size()));
     }
     return reached;
@@ -128,9 +129,9 @@ FingerReach finger_reach(
     const std::vector<Vec3> gates = gates_of(opening);
     FingerReach reach;
     for (std::size_t s = 0; s < samples.size() && !job.cancelled(); ++s)
-        reach.touched
-            += finger_needed(scene, opening, gates, samples[s].position, kFingerReachMm) <= kFingerReachMm ? 1 : 0;
-    if (reach.touched > 0)
+        if (finger_needed(scene, opening, gates, samples[s].position, kFingerReachMm) <= kFingerReachMm)
+            reach.touched.push_back(s);
+    if (!reach.touched.empty())
         return reach;
     double needed = kShaftLengthMm;
     for (std::size_t s = 0; s < samples.size() && !job.cancelled(); s += 1 + samples.size() / kFarSamples)

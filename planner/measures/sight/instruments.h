@@ -21,15 +21,15 @@ inline constexpr double kFingerMm = 16.0, kFingerReachMm = 80.0;
 /// A unit vector across a line, which turns with the patient.
 Vec3 across_of(const Vec3& line, const OpeningGeometry& opening);
 
-/// The number of places that two shafts reach at once through the opening. The count ends early where the job is
-/// cancelled.
+/// The places that two shafts reach at once through the opening, in the same order. The search ends early where the
+/// job is cancelled.
 /// @param places indices of samples
-std::size_t count_reached_by_two(const RayScene& scene, const OpeningGeometry& opening,
+std::vector<std::size_t> reached_by_two(const RayScene& scene, const OpeningGeometry& opening,
     const std::vector<SurfaceSample>& samples, const std::vector<std::size_t>& places, const Job& job = {});
 
 /// What a straight finger touches: seen or not.
 struct FingerReach {
-    std::size_t touched = 0; ///< number of samples
+    std::vector<std::size_t> touched {}; ///< indices of samples
     /// Where none is touched: how much longer the finger would have to be. Not set: a finger does not fit, however
     /// long, or touches.
     std::optional<double> lacks_mm {};

@@ -282,12 +282,13 @@ void add_two_eyes_and_instruments(SurgeonEye& best, const RayScene& scene, const
     const double bound = best.bound_area_mm2 / scene.target_area_mm2() * static_cast<double>(samples.size());
     best.two_eyes_fraction
         = static_cast<double>(seen_by_two_eyes(scene, best, opening, samples, sight.samples)) / bound;
-    const std::size_t reached = count_reached_by_two(scene, opening, samples, sight.samples, job);
+    const std::vector<std::size_t> reached = reached_by_two(scene, opening, samples, sight.samples, job);
     if (job.cancelled()) {
         best.status = ExposureStatus::cancelled;
         return;
     }
-    best.two_instruments_fraction = static_cast<double>(reached) / bound;
+    best.two_instruments_fraction = static_cast<double>(reached.size()) / bound;
+    best.two_instruments_reach.assign(reached.begin(), reached.end());
 }
 
 void add_reach(SurgeonEye& best, const RayScene& scene, const OpeningGeometry& opening,
@@ -295,9 +296,10 @@ void add_reach(SurgeonEye& best, const RayScene& scene, const OpeningGeometry& o
 {
     const FingerReach finger = finger_reach(scene, opening, samples, job);
     best.finger_lacks_mm = finger.lacks_mm;
+    best.finger_touches.assign(finger.touched.begin(), finger.touched.end());
     if (best.bound_area_mm2 > 0.0)
         best.finger_fraction = std::min(1.0,
-            static_cast<double>(finger.touched) / static_cast<double>(samples.size()) * scene.target_area_mm2()
+            static_cast<double>(finger.touched.size()) / static_cast<double>(samples.size()) * scene.target_area_mm2()
                 / best.bound_area_mm2);
     best.freedom_mm2 = surgical_freedom_mm2(scene, opening, best.aim);
     if (job.cancelled())

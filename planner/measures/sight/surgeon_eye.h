@@ -9,6 +9,7 @@
 #include "planner/measures/sight/exposure.h"
 #include "planner/wall/field_geometry.h"
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -41,6 +42,8 @@ struct SurgeonEye {
     double finger_fraction = 0.0; ///< touched by a finger, seen or not; at most 1
     std::optional<double> finger_lacks_mm {}; ///< FingerReach::lacks_mm
     double freedom_mm2 = 0.0; ///< surgical_freedom_mm2() at `aim`
+    /// Indices of the samples that two instruments reach (of those that are seen), and that a finger touches.
+    std::vector<std::uint32_t> two_instruments_reach {}, finger_touches {};
     /// What hides the target first from here: shares of what the target alone would show at this incidence. Largest
     /// first.
     std::vector<SightShare> hidden_by {};

@@ -88,7 +88,8 @@ RETRACTOR_ARCHIVE(OpeningGeometry, area_mm2, overlap_area_mm2, width_mm, length_
     along, start, end)
 RETRACTOR_ARCHIVE(SightShare, name, share)
 RETRACTOR_ARCHIVE(SurgeonEye, status, eye, aim, seen_fraction, bound_area_mm2, picture_share, incidence_deg,
-    two_eyes_fraction, two_instruments_fraction, finger_fraction, finger_lacks_mm, freedom_mm2, hidden_by)
+    two_eyes_fraction, two_instruments_fraction, finger_fraction, finger_lacks_mm, freedom_mm2, two_instruments_reach,
+    finger_touches, hidden_by)
 RETRACTOR_ARCHIVE(ViewCone, aim, axis, up, eye_distance_mm, half_angle_deg, eyes)
 RETRACTOR_ARCHIVE(EyeView, eye, visible_fraction)
 RETRACTOR_ARCHIVE(SurfaceSample, position, triangle)

@@ -41,7 +41,7 @@ namespace through_wound_test {
                     walls.push_back({ .name = "lip", .surface = lip, .labels = {}, .material = {}, .wall = true });
                 const RayScene scene(target, walls, {});
                 const std::vector<SurfaceSample> samples = surface_samples(target, 2000);
-                const auto of_rays = static_cast<double>(finger_reach(scene, opening, samples).touched) / 2000.0;
+                const auto of_rays = static_cast<double>(finger_reach(scene, opening, samples).touched.size()) / 2000.0;
                 const haptics::Opening gate { .centre = opening.centre,
                     .normal = opening.normal,
                     .along = opening.along,

@@ -161,6 +161,36 @@ namespace field_map_test {
         EXPECT_EQ(scene.surfaces.size(), surgeon_scene(*patient, *field).surfaces.size()) << "in place of the target";
     }
 
+    TEST_F(FieldMap, TheTargetShowsWhatFingerAndInstrumentsReach)
+    {
+        planner::PlannedField reached = *field;
+        reached.best_eye.finger_touches.clear();
+        reached.best_eye.two_instruments_reach.clear();
+        const Vec3 middle = reached.approach.target.centre;
+        for (std::size_t n = 0; n < reached.exposure.sample_points.size(); ++n) {
+            const Vec3 from = reached.exposure.sample_points[n].position - middle;
+            if (from.x() > 0.0)
+                reached.best_eye.finger_touches.push_back(static_cast<std::uint32_t>(n));
+            if (from.y() > 0.0)
+                reached.best_eye.two_instruments_reach.push_back(static_cast<std::uint32_t>(n));
+        }
+        const auto map = field_map(*patient, reached, FieldMapKind::reach);
+        ASSERT_TRUE(map);
+        const TriMesh& target = *map->surfaces.front().mesh;
+        int right = 0, wrong = 0;
+        for (std::size_t t = 0; t < target.triangles.size(); ++t) {
+            const Vec3 from = target.vertices.row(target.triangles[t][0]).transpose() - middle;
+            const std::string expected = from.x() > 0.0 ? from.y() > 0.0 ? "finger and two instruments" : "a finger"
+                : from.y() > 0.0                        ? "two instruments"
+                                                        : "neither";
+            ++(words_of(*map, target.labels[t]) == expected ? right : wrong);
+        }
+        EXPECT_GT(right, 10 * wrong); // but for the triangles on the two borders
+        EXPECT_NO_THROW(check_scene(with_map(surgeon_scene(*patient, reached), *map)));
+        reached.exposure = {};
+        EXPECT_FALSE(field_map(*patient, reached, FieldMapKind::reach));
+    }
+
     TEST_F(FieldMap, EveryEyeOfTheConeIsShownFromTheSide)
     {
         const auto map = field_map(*patient, *field, FieldMapKind::eyes);

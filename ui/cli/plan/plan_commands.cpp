@@ -50,7 +50,7 @@ namespace {
           "structures at risk), sight (which part of the target is seen), eyes (from where)";
 
     struct PlanOptions {
-        std::string case_file, approach, target, out, views, maps, size = "1280x960", backend, elasticity, element;
+        std::string case_file, approach, target, out, views, maps, size, backend, elasticity, element;
         bool without_names = false;
         std::string reference, contact;
         std::vector<std::string> pressures, stiffness;

@@ -248,6 +248,10 @@
         <translation>どの視点からどれだけ見えるか</translation>
     </message>
     <message>
+        <source>What a finger and two instruments reach</source>
+        <translation>指と二本の器械が届く所</translation>
+    </message>
+    <message>
         <source>Opened</source>
         <translation>開創後</translation>
     </message>
@@ -992,8 +996,8 @@
         <translation>術者に見えるもの</translation>
     </message>
     <message>
-        <source>This is the view through the incision from the best place of the eye; the target is green. O switches between before and after the cut, Ctrl+1 to Ctrl+5 show numbers as colours, 6 and 7 look through an endoscope.</source>
-        <translation>最もよく見える目の位置から切開を通した眺めです。標的は緑です。O で切開の前後を切り替え、Ctrl+1 から Ctrl+5 で数値を色で示し、6 と 7 で内視鏡からのぞきます。</translation>
+        <source>This is the view through the incision from the best place of the eye; the target is green. O switches between before and after the cut, Ctrl+1 to Ctrl+6 show numbers as colours, 6 and 7 look through an endoscope.</source>
+        <translation>最もよく見える目の位置から切開を通した眺めです。標的は緑です。O で切開の前後を切り替え、Ctrl+1 から Ctrl+6 で数値を色で示し、6 と 7 で内視鏡からのぞきます。</translation>
     </message>
     <message>
         <source>By hand</source>
@@ -4012,8 +4016,8 @@
         <translation>皮下で胸骨を横断します。</translation>
     </message>
     <message>
-        <source>The best eye sees %1 of the %2; two instruments reach %3, a finger touches %4.</source>
-        <translation>最良の目に%2の %1 が見えます。二本の器械は %3 に届き、指は %4 に触れます。</translation>
+        <source>The best eye sees %1 of the %2.</source>
+        <translation>最良の目に%2の %1 が見えます。</translation>
     </message>
     <message>
         <source>Most is hidden by %1 (%2).</source>
@@ -4038,6 +4042,10 @@
     <message>
         <source>%1: what the surgeon sees</source>
         <translation>%1：術者に見えるもの</translation>
+    </message>
+    <message>
+        <source>%1: what the surgeon reaches</source>
+        <translation>%1：術者の手が届く所</translation>
     </message>
     <message>
         <source>No approach leads in what is seen by more than the error.</source>
@@ -4578,6 +4586,26 @@
     <message>
         <source>eyes that see the place</source>
         <translation>その位置が見える目</translation>
+    </message>
+    <message>
+        <source>reach through the wound</source>
+        <translation>創を通して届く範囲</translation>
+    </message>
+    <message>
+        <source>finger and two instruments</source>
+        <translation>指と二本の器械</translation>
+    </message>
+    <message>
+        <source>two instruments</source>
+        <translation>二本の器械</translation>
+    </message>
+    <message>
+        <source>neither</source>
+        <translation>どちらも届かない</translation>
+    </message>
+    <message>
+        <source>instruments: where the best eye sees the place</source>
+        <translation>器械：最良の目に見える所のみ</translation>
     </message>
     <message>
         <source>eyes of the cone</source>
@@ -6278,6 +6306,10 @@
     <message>
         <source>NOT IN EQUILIBRIUM: do not use</source>
         <translation>釣り合っていません：使わないでください</translation>
+    </message>
+    <message>
+        <source>%1: What a finger and two instruments reach</source>
+        <translation>%1：指と二本の器械が届く所</translation>
     </message>
     <message>
         <source>FAILED: do not use these numbers</source>

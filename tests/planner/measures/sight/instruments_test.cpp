@@ -35,21 +35,21 @@ namespace instruments_test {
 
     TEST(FingerReach, AWideHoleCloseAboveLetsTheFingerTouchAll)
     {
-        EXPECT_EQ(finger(30.0, 60.0).touched, static_cast<std::size_t>(kSamples));
+        EXPECT_EQ(finger(30.0, 60.0).touched.size(), static_cast<std::size_t>(kSamples));
         EXPECT_FALSE(finger(30.0, 60.0).lacks_mm);
     }
 
     TEST(FingerReach, AHoleThinnerThanTheFingerLetsNothingThrough)
     {
         const FingerReach none = finger(7.0, 60.0); // the finger's radius is 8
-        EXPECT_EQ(none.touched, 0U);
+        EXPECT_EQ(none.touched.size(), 0U);
         EXPECT_FALSE(none.lacks_mm) << "no finger fits, however long";
     }
 
     TEST(FingerReach, TellsWhatADeepTargetLacks)
     {
         const FingerReach deep = finger(30.0, 120.0);
-        EXPECT_EQ(deep.touched, 0U);
+        EXPECT_EQ(deep.touched.size(), 0U);
         ASSERT_TRUE(deep.lacks_mm);
         EXPECT_NEAR(*deep.lacks_mm, 120.0 - kFingerReachMm, 0.5); // straight down
     }
@@ -61,7 +61,7 @@ namespace instruments_test {
         constexpr double kHole = 9.5, kHeight = 79.0;
         const double radius = std::sqrt(kFingerReachMm * kFingerReachMm - kHeight * kHeight);
         const double share = radius * radius / (kDisc * kDisc);
-        const double touched = static_cast<double>(finger(kHole, kHeight).touched) / kSamples;
+        const double touched = static_cast<double>(finger(kHole, kHeight).touched.size()) / kSamples;
         EXPECT_NEAR(touched, share, 0.15 * share) << "the hole is wider than the finger by 1.5 mm";
     }
 
@@ -71,6 +71,7 @@ namespace instruments_test {
         const RayScene scene = disc_under_hole(30.0, 60.0);
         add_reach(eye, scene, round_opening(30.0, 60.0), surface_samples(scene.target(), kSamples));
         EXPECT_NEAR(eye.finger_fraction, 1.0, 1e-3); // the disc is a polygon
+        EXPECT_EQ(eye.finger_touches.size(), static_cast<std::size_t>(kSamples));
         eye.bound_area_mm2 *= 0.5; // an eye sees one half at most: touching all is all the same 1
         add_reach(eye, scene, round_opening(30.0, 60.0), surface_samples(scene.target(), kSamples));
         EXPECT_EQ(eye.finger_fraction, 1.0);

@@ -6,6 +6,7 @@
 #include "planner/measures/comparison.h"
 #include "planner/measures/verdict.h"
 
+#include <algorithm>
 #include <string_view>
 
 namespace retractor::planner {
@@ -53,9 +54,8 @@ namespace {
     {
         if (const std::string why = why_not_to_use(field); !why.empty())
             return why;
-        std::string text = "The best eye sees " + percent(field.seen_best_eye) + " of the " + readable(field.target)
-            + "; two instruments reach " + percent(field.reached_by_two_instruments) + ", a finger touches "
-            + percent(field.reached_by_finger) + ".";
+        std::string text
+            = "The best eye sees " + percent(field.seen_best_eye) + " of the " + readable(field.target) + ".";
         if (!field.best_eye.hidden_by.empty()) {
             const SightBlocker& most = field.best_eye.hidden_by.front();
             text += " Most is hidden by " + readable(most.name) + " (" + percent(most.share) + ").";
@@ -64,6 +64,22 @@ namespace {
             text += " Estimated, not seen in the image: " + readable(field.estimated.front())
                 + (field.estimated.size() > 1 ? " and others." : ".");
         return text;
+    }
+
+    std::string reached_text(const FieldMetrics& field)
+    {
+        if (const std::string why = why_not_to_use(field); !why.empty())
+            return why;
+        const std::string target = readable(field.target);
+        const std::string instruments = "Two instruments reach " + percent(field.reached_by_two_instruments)
+            + " of what an eye could see of the " + target + ". ";
+        if (field.reached_by_finger > 0.0)
+            return instruments + "A finger touches " + percent(field.reached_by_finger) + ".";
+        return instruments
+            + (field.finger_lacks_mm
+                    ? formatted("A finger ends %.0f mm before the ", std::max(1.0, *field.finger_lacks_mm)) + target
+                        + "."
+                    : "No straight finger comes to the " + target + " through the opening.");
     }
 
     void add_steps(std::vector<PresentationStep>& steps, const Approach& approach, std::size_t index,
@@ -78,6 +94,8 @@ namespace {
             return;
         steps.push_back({ PresentedView::opened, index, name + ": opened", opened_text(*known.field) });
         steps.push_back({ PresentedView::seen, index, name + ": what the surgeon sees", seen_text(*known.field) });
+        steps.push_back(
+            { PresentedView::reached, index, name + ": what the surgeon reaches", reached_text(*known.field) });
     }
 
     /// Views of the opened field only where there is one.

@@ -1,6 +1,6 @@
 #pragma once
 // The plans of a case step by step, for the team's case conference: for each approach where it cuts, what the blade
-// passes, how the wound opens and what the surgeon sees; at the end all planned approaches beside each other. The
+// passes, how the wound opens, what the surgeon sees and what she reaches; at the end all planned approaches beside each other. The
 // window shows the steps one by one, a movie plays them.
 
 #include "planner/case/case.h"
@@ -21,6 +21,7 @@ enum class PresentedView {
     blade, ///< slices along and across the incision, with the blade
     opened, ///< the opened patient from outside
     seen, ///< from the surgeon's eye
+    reached, ///< the same view: what a finger and two instruments reach of the target
     kept, ///< from where the team kept a view
     comparison, ///< what the surgeon's eye sees through all planned approaches, side by side
 };

@@ -103,6 +103,7 @@ namespace {
         volume.image = ct();
         field.overview.volumes.push_back(volume);
         field.maps[ui::FieldMapKind::strain].legend = { { "largest elongation", "" } };
+        field.maps[ui::FieldMapKind::reach].legend = { { "reach through the wound", "" } };
         return field;
     }
 

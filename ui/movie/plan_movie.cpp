@@ -9,6 +9,7 @@
 #include "planner/decision/presentation.h"
 #include "planner/plan/wound_view.h"
 #include "ui/movie/video_file.h"
+#include "ui/plan_scene/field_map.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/arrange_scenes.h"
 #include "ui/scene/camera_motion.h"
@@ -86,6 +87,9 @@ namespace {
             case planner::PresentedView::seen:
                 fly(step, *field);
                 break;
+            case planner::PresentedView::reached:
+                hold(step, { reached_scene(*field) });
+                break;
             case planner::PresentedView::kept: {
                 Scene scene = step.kept->opened ? overview_scene(patient_, *field) : closed_scene(*approach);
                 scene.legend.clear();
@@ -138,6 +142,16 @@ namespace {
                 cameras.push_back(place.scene.camera);
             show(step, std::move(scenes));
             sink_(renderer_.draw(cameras), frames(settings_.hold_s));
+        }
+
+        /// From the surgeon's eye, the target in the colours of what reaches it.
+        Scene reached_scene(const planner::PlannedField& field)
+        {
+            Scene scene = surgeon_scene(patient_, field);
+            scene.legend = estimated_lines(std::move(scene.legend));
+            if (const auto map = field_map(patient_, field, FieldMapKind::reach))
+                scene = with_map(std::move(scene), *map);
+            return scene;
         }
 
         /// The closed patient, opaque, because a translucent body takes ten times as long to draw.

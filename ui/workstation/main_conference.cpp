@@ -51,6 +51,7 @@ namespace {
         case planner::PresentedView::blade:
             return ViewPreset::incision;
         case planner::PresentedView::seen:
+        case planner::PresentedView::reached:
             return ViewPreset::surgeon;
         case planner::PresentedView::comparison:
             return ViewPreset::compare;
@@ -69,7 +70,7 @@ namespace {
         if (step.kept)
             return step.kept->opened;
         return view == planner::PresentedView::opened || view == planner::PresentedView::seen
-            || view == planner::PresentedView::comparison;
+            || view == planner::PresentedView::reached || view == planner::PresentedView::comparison;
     }
 
 } // namespace
@@ -148,11 +149,13 @@ void MainWindow::set_conference(bool on)
         set_knife(KnifeMode::away);
         notes_->start_clock();
         steps_ = steps_now();
+        step_ = 0;
         was_maximized_ = isMaximized();
         showFullScreen();
         view_->setCursor(pointer());
     } else {
         notes_->close();
+        model_->set_map(map_of_step(steps_[step_], std::nullopt));
         steps_.clear();
         was_maximized_ ? showMaximized() : showNormal();
         view_->unsetCursor();
@@ -176,6 +179,17 @@ std::vector<planner::PresentationStep> MainWindow::steps_now() const
             .divided_bones = state.field == nullptr ? std::vector<std::string>() : state.field->divided_bones });
     }
     return planner::presentation_of(model_->planned_case(), known, model_->decisions());
+}
+
+/// The map after a step was left: what is reached is shown by a map of its own, which the other steps do not keep.
+std::optional<FieldMapKind> MainWindow::map_of_step(
+    const planner::PresentationStep& left, const std::optional<planner::PresentationStep>& shown) const
+{
+    const auto reaches
+        = [](const planner::PresentationStep& step) { return step.view == planner::PresentedView::reached; };
+    if (shown && reaches(*shown))
+        return FieldMapKind::reach;
+    return reaches(left) ? std::nullopt : model_->map();
 }
 
 void MainWindow::renew_steps()
@@ -203,6 +217,7 @@ void MainWindow::go_to_step(std::size_t number)
     if (!in_conference() || number >= steps_.size())
         return;
     const planner::PresentationStep& step = steps_[number];
+    model_->set_map(map_of_step(steps_[step_], step));
     if (steps_[step_].kept && !step.kept)
         shown_ = {}; // the same picture is shown from where it was seen first
     step_ = number;

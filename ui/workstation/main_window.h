@@ -220,6 +220,8 @@ private:
     void name_place(std::size_t scene, const planner::Ray& ray);
 
     void set_map(std::optional<FieldMapKind> map);
+    std::optional<FieldMapKind> map_of_step(
+        const planner::PresentationStep& left, const std::optional<planner::PresentationStep>& shown) const;
     void open_manual();
     bool labels_tab_open() const;
     /// Gives the mouse to the brush on the slices.

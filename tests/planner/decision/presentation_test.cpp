@@ -31,6 +31,8 @@ namespace presentation_test {
         field.target = "aneurysm";
         field.target_spec.label = "aneurysm";
         field.seen_best_eye = seen;
+        field.reached_by_two_instruments = 0.4;
+        field.finger_lacks_mm = 12.0;
         field.mechanics_status = "converged";
         return field;
     }
@@ -52,14 +54,18 @@ namespace presentation_test {
             {});
         EXPECT_EQ(views_of(steps),
             (std::vector { PresentedView::incision, PresentedView::blade, PresentedView::opened, PresentedView::seen,
-                PresentedView::incision, PresentedView::opened, PresentedView::seen, PresentedView::comparison }));
+                PresentedView::reached, PresentedView::incision, PresentedView::opened, PresentedView::seen,
+                PresentedView::reached, PresentedView::comparison }));
         for (const PresentationStep& step : steps)
             EXPECT_FALSE(step.text.empty()) << step.title;
         EXPECT_EQ(steps[0].text, "The incision is 100 mm long. The target: aneurysm.");
         EXPECT_NE(steps[3].text.find("60 %"), std::string::npos) << steps[3].text;
         EXPECT_EQ(steps[1].text, "The blade goes 30 mm deep. Sawn through: sternum.");
         EXPECT_EQ(steps[0].approach, 0U);
-        EXPECT_EQ(steps[4].approach, 1U);
+        EXPECT_EQ(steps[4].text,
+            "Two instruments reach 40 % of what an eye could see of the aneurysm. A finger ends 12 mm "
+            "before the aneurysm.");
+        EXPECT_EQ(steps[5].approach, 1U);
         EXPECT_NE(steps.back().text.find("Nothing is chosen yet."), std::string::npos);
     }
 
@@ -67,8 +73,8 @@ namespace presentation_test {
     {
         const FieldMetrics median = field_of("median", 0.6);
         EXPECT_EQ(views_of(presentation_of(two_approaches(), { { .field = &median }, {} }, {})),
-            (std::vector {
-                PresentedView::incision, PresentedView::opened, PresentedView::seen, PresentedView::incision }));
+            (std::vector { PresentedView::incision, PresentedView::opened, PresentedView::seen, PresentedView::reached,
+                PresentedView::incision }));
         EXPECT_EQ(views_of(presentation_of({}, {}, {})), (std::vector { PresentedView::patient }));
     }
 
@@ -82,10 +88,10 @@ namespace presentation_test {
         const auto steps = presentation_of(two_approaches(), { { .field = &median }, {} }, decisions);
         // "open" of the lateral approach waits for its plan.
         ASSERT_EQ(views_of(steps),
-            (std::vector { PresentedView::incision, PresentedView::opened, PresentedView::seen, PresentedView::kept,
-                PresentedView::incision, PresentedView::kept }));
-        EXPECT_EQ(steps[3].kept->name, "close");
-        EXPECT_NE(steps[5].title.find("before"), std::string::npos);
+            (std::vector { PresentedView::incision, PresentedView::opened, PresentedView::seen, PresentedView::reached,
+                PresentedView::kept, PresentedView::incision, PresentedView::kept }));
+        EXPECT_EQ(steps[4].kept->name, "close");
+        EXPECT_NE(steps[6].title.find("before"), std::string::npos);
     }
 
 } // namespace presentation_test

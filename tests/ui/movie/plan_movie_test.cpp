@@ -79,12 +79,13 @@ namespace plan_movie_test {
         ASSERT_EQ(content->fields.front().status, planner::PlanStatus::done);
         const Played played = play(*content);
         EXPECT_TRUE(played.whole);
-        // The block has no CT, so no slices: 5 pictures turn it, 6 poses open it (the last is held), 10 fly, 1 is held.
-        ASSERT_EQ(played.pictures.size(), 5U + 6U + 10U + 1U);
+        // The block has no CT, so no slices: 5 pictures turn it, 6 poses open it (the last is held), 10 fly, 1 is held;
+        // one more shows what is reached.
+        ASSERT_EQ(played.pictures.size(), 5U + 6U + 10U + 1U + 1U);
         int frames = 0;
         for (const int n : played.frames)
             frames += n;
-        EXPECT_EQ(frames, 5 + 5 * 2 + 5 + 10 + 5);
+        EXPECT_EQ(frames, 5 + 5 * 2 + 5 + 10 + 5 + 5);
         const auto difference = [&](std::size_t a, std::size_t b) {
             return test_support::mean_difference(played.pictures.at(a), played.pictures.at(b));
         };
@@ -92,6 +93,7 @@ namespace plan_movie_test {
         EXPECT_GT(difference(5, 10), 0.5) << "the wound opens";
         EXPECT_LT(difference(5, 6), difference(5, 10)) << "bit by bit";
         EXPECT_GT(difference(11, 20), 1.0) << "the eye comes near";
+        EXPECT_GT(difference(21, 22), 0.1) << "the target takes the colours of its reach";
     }
 
     TEST_F(PlanMovie, TheSamePlansGiveTheSamePictures)

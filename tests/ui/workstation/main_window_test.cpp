@@ -826,11 +826,12 @@ namespace main_window_test {
     {
         open_synthetic();
         const std::vector<MotionFigures> figures = measure_window(window_, true, 0.3);
-        ASSERT_EQ(figures.size(), 14U);
+        ASSERT_EQ(figures.size(), 16U);
         EXPECT_EQ(figures[4].picture, "closed, slices");
         EXPECT_EQ(figures[9].picture, "opened, overview");
         EXPECT_EQ(figures[10].picture, "conference, median: opened");
         EXPECT_EQ(figures[13].picture, "conference, median: what the surgeon sees");
+        EXPECT_EQ(figures[15].picture, "conference, median: what the surgeon reaches");
         EXPECT_FALSE(window_.in_conference());
         for (const MotionFigures& f : figures) {
             EXPECT_GT(f.events, 0) << f.picture;

@@ -20,6 +20,8 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QMenuBar>
+#include <QMouseEvent>
+#include <QPixmap>
 #include <QPlainTextEdit>
 #include <QPushButton>
 #include <QRadioButton>
@@ -40,6 +42,21 @@
 
 namespace retractor::ui {
 namespace conference_window_test {
+
+    /// Where a picture is kept: in the folder that RETRACTOR_PICTURES names, to be looked at, or nowhere for long.
+    std::filesystem::path picture_file(const test_support::TemporaryFolder& folder, const char* name)
+    {
+        const char* pictures = std::getenv("RETRACTOR_PICTURES");
+        return (pictures != nullptr ? std::filesystem::path(pictures) : folder.path) / name;
+    }
+
+    /// Keeps a picture of a dialog as it stands. @return whether it is drawn
+    bool keep_picture(QDialog& dialog, const test_support::TemporaryFolder& folder, const char* name)
+    {
+        const QPixmap picture = dialog.grab();
+        return picture.width() > 200 && picture.height() > 100
+            && picture.save(QString::fromStdString(picture_file(folder, name).string()));
+    }
 
     class ConferenceTest : public testing::Test {
     protected:
@@ -86,12 +103,19 @@ namespace conference_window_test {
         EXPECT_FALSE(window_.menuBar()->isVisible());
         EXPECT_FALSE(window_.approach_list().isVisible());
         EXPECT_TRUE(window_.conference_bar().isVisible());
-        // median: where it cuts, opened, what is seen; lateral: the same; broken: where it cuts; all beside each other.
+        // median: where it cuts, opened, what is seen and reached; lateral: the same; broken: where it cuts; all beside
+        // each other.
         const std::vector<ViewPreset> views { ViewPreset::overview, ViewPreset::overview, ViewPreset::surgeon,
-            ViewPreset::overview, ViewPreset::overview, ViewPreset::surgeon, ViewPreset::overview,
-            ViewPreset::compare };
+            ViewPreset::surgeon, ViewPreset::overview, ViewPreset::overview, ViewPreset::surgeon, ViewPreset::surgeon,
+            ViewPreset::overview, ViewPreset::compare };
         for (std::size_t step = 0; step < views.size(); ++step) {
             EXPECT_EQ(window_.model()->shown_view(), views[step]) << step << " " << title();
+            const bool reaches = title().find("reaches") != std::string::npos;
+            EXPECT_EQ(reaches, step == 3 || step == 7) << title();
+            EXPECT_EQ(window_.model()->map(), reaches ? std::optional(FieldMapKind::reach) : std::nullopt);
+            if (reaches) {
+                EXPECT_EQ(window_.view().scenes().front().legend.front().key, "reach through the wound");
+            }
             EXPECT_FALSE(window_.conference_bar().text().isEmpty()) << title();
             if (step + 1 < views.size())
                 press(step % 2 == 0 ? Qt::Key_Right : Qt::Key_PageDown);
@@ -99,10 +123,8 @@ namespace conference_window_test {
         EXPECT_EQ(title(), "Comparison");
         press(Qt::Key_Right); // there is no further step
         EXPECT_EQ(title(), "Comparison");
-        const char* pictures = std::getenv("RETRACTOR_PICTURES");
         const test_support::TemporaryFolder folder;
-        window_.save_screenshot(
-            (pictures != nullptr ? std::filesystem::path(pictures) : folder.path) / "window-conference.png");
+        window_.save_screenshot(picture_file(folder, "window-conference.png"));
         press(Qt::Key_Home);
         EXPECT_FALSE(window_.model()->show_opened()) << "it begins before the cut";
         press(Qt::Key_PageDown);
@@ -113,6 +135,49 @@ namespace conference_window_test {
         EXPECT_TRUE(window_.menuBar()->isVisible());
         EXPECT_TRUE(window_.approach_list().isVisible());
         EXPECT_FALSE(window_.conference_bar().isVisible());
+    }
+
+    TEST_F(ConferenceTest, TheMapOfWhatIsReachedEndsWithItsStep)
+    {
+        open_synthetic();
+        plan("median");
+        window_.select("median");
+        press(Qt::Key_1);
+        press(Qt::Key_1, Qt::ControlModifier);
+        ASSERT_EQ(window_.model()->map(), FieldMapKind::strain);
+        press(Qt::Key_F5);
+        press(Qt::Key_Right);
+        EXPECT_EQ(window_.model()->map(), FieldMapKind::strain) << "another map stays";
+        press(Qt::Key_Right);
+        press(Qt::Key_Right);
+        ASSERT_EQ(window_.model()->map(), FieldMapKind::reach) << title();
+        press(Qt::Key_Escape);
+        EXPECT_FALSE(window_.model()->map());
+        EXPECT_TRUE(window_.view().scenes().front().legend.empty());
+    }
+
+    TEST_F(ConferenceTest, ThreePlansTurnTogetherBesideEachOther)
+    {
+        open_synthetic();
+        plan("median");
+        plan("lateral");
+        press(Qt::Key_D, Qt::ControlModifier); // a copy of the lateral approach
+        press(Qt::Key_P);
+        press(Qt::Key_5);
+        PictureView& view = window_.view();
+        ASSERT_EQ(view.scenes().size(), 3U) << window_.error_line();
+        const std::vector<Camera> before = view.cameras();
+        const QPoint from(view.width() / 4, view.height() / 4), by(60, 20);
+        QTest::mousePress(&view, Qt::LeftButton, {}, from);
+        QMouseEvent move(QEvent::MouseMove, from + by, Qt::LeftButton, Qt::LeftButton, {});
+        QApplication::sendEvent(&view, &move);
+        QTest::mouseRelease(&view, Qt::LeftButton, {}, from + by);
+        test_support::wait_until_idle(window_);
+        EXPECT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, test_support::kPatienceMs));
+        for (std::size_t n = 0; n < before.size(); ++n)
+            EXPECT_GT((view.cameras()[n].eye - before[n].eye).norm(), 5.0) << "picture " << n;
+        const test_support::TemporaryFolder folder;
+        window_.save_screenshot(picture_file(folder, "window-three.png"));
     }
 
     TEST_F(ConferenceTest, TheButtonsDoTheSameAndAnotherCaseEndsIt)
@@ -168,13 +233,14 @@ namespace conference_window_test {
         const test_support::TemporaryFolder folder;
         const planner::Case planned_case = open_on_disk(folder.path);
         plan("lateral");
-        fill_next_dialog(window_, [](QDialog& dialog) {
+        fill_next_dialog(window_, [&folder](QDialog& dialog) {
             QPushButton* choose = button_of(dialog, "Choose");
             ASSERT_NE(choose, nullptr);
             EXPECT_FALSE(choose->isEnabled()) << "nobody and no reason is named";
             QTest::keyClicks(dialog.findChild<QLineEdit*>("by"), "Team A");
             QTest::keyClicks(dialog.findChild<QPlainTextEdit*>("why"), "shortest way");
             EXPECT_TRUE(choose->isEnabled());
+            EXPECT_TRUE(keep_picture(dialog, folder, "dialog-choice.png"));
             QTest::mouseClick(choose, Qt::LeftButton);
         });
         press(Qt::Key_C, Qt::ShiftModifier);
@@ -182,7 +248,7 @@ namespace conference_window_test {
         EXPECT_EQ(window_.model()->chosen_approach(), "lateral");
         EXPECT_TRUE(window_.approach_list().item(1)->text().startsWith("✓"));
         EXPECT_FALSE(window_.approach_list().item(0)->text().startsWith("✓"));
-        fill_next_dialog(window_, [](QDialog& dialog) {
+        fill_next_dialog(window_, [&folder](QDialog& dialog) {
             QPushButton* keep = button_of(dialog, "Keep the answers");
             ASSERT_NE(keep, nullptr);
             EXPECT_EQ(dialog.findChild<QLineEdit*>("by")->text(), "Team A") << "as before";
@@ -190,6 +256,7 @@ namespace conference_window_test {
                 EXPECT_FALSE(keep->isEnabled());
                 dialog.findChild<QRadioButton*>(QString(question.key) + "4")->click();
             }
+            EXPECT_TRUE(keep_picture(dialog, folder, "dialog-questions.png"));
             QTest::mouseClick(keep, Qt::LeftButton);
         });
         press(Qt::Key_Q, Qt::ShiftModifier);
@@ -316,6 +383,7 @@ namespace conference_window_test {
             said += label->text() + "\n";
         EXPECT_TRUE(said.contains("none: nobody has answered yet")) << said.toStdString();
         EXPECT_TRUE(said.contains("damaged: this is not JSON")) << said.toStdString();
+        EXPECT_TRUE(keep_picture(*dialog, folder, "dialog-summary.png"));
         dialog->close();
     }
 
@@ -342,12 +410,12 @@ namespace conference_window_test {
         EXPECT_TRUE(kept()[0].opened);
         press(Qt::Key_1); // another view, and the conference begins there
         press(Qt::Key_F5);
-        for (int step = 0; step < 3; ++step)
+        for (int step = 0; step < 4; ++step)
             press(Qt::Key_Right);
         EXPECT_EQ(title(), "median: from the side");
         EXPECT_LT((window_.view().camera().eye - camera.eye).norm(), 1e-6);
-        press(Qt::Key_Left);
-        press(Qt::Key_Left); // opened, from outside, as the kept view
+        for (int step = 0; step < 3; ++step)
+            press(Qt::Key_Left); // opened, from outside, as the kept view
         EXPECT_GT((window_.view().camera().eye - camera.eye).norm(), 1.0) << "other steps keep their own camera";
         press(Qt::Key_Escape);
         press(Qt::Key_2);

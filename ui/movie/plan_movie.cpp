@@ -92,7 +92,7 @@ namespace {
                 break;
             case planner::PresentedView::kept: {
                 Scene scene = step.kept->opened ? overview_scene(patient_, *field) : closed_scene(*approach);
-                scene.legend.clear();
+                scene.legend = estimated_lines(std::move(scene.legend));
                 scene.camera = camera_of(*step.kept);
                 hold(step, { std::move(scene) });
                 break;
@@ -201,7 +201,7 @@ namespace {
         {
             report(0.0);
             Scene opened = overview_scene(patient_, field);
-            opened.legend.clear();
+            opened.legend = estimated_lines(std::move(opened.legend));
             wall_at_rest_ = drawn_wall(patient_, field, Points::Zero(field.wall.vertices.rows(), 3));
             if (!field.remaining_wall.triangles.empty())
                 beyond_at_rest_ = remaining_wall_at_rest(patient_, field);
@@ -218,7 +218,7 @@ namespace {
         {
             Scene seen = surgeon_scene(patient_, field);
             const Camera last = seen.camera, first = overview_scene(patient_, field).camera;
-            seen.legend.clear(); // the text under the title has the numbers
+            seen.legend = estimated_lines(std::move(seen.legend)); // the text under the title has the numbers
             show(step, { seen });
             const int count = frames(kFlightS);
             for (int n = 0; n < count && !job_.cancelled(); ++n) {

@@ -29,6 +29,8 @@ namespace retractor::ui {
 
 namespace {
 
+    constexpr const char* kEstimated = " (estimated)"; ///< behind the name of a structure
+
     /// Share of the picture's height that the opening fills in the surgeon's eye view.
     constexpr double kOpeningShare = 0.75;
     constexpr double kOverviewTiltDeg = 25.0;
@@ -59,7 +61,7 @@ namespace {
 
     std::string name_in_picture(const planner::Case& planned_case, const std::string& label)
     {
-        return planner::is_estimated(planned_case, label) ? label + " (estimated)" : label;
+        return planner::is_estimated(planned_case, label) ? label + kEstimated : label;
     }
 
     SurfaceItem target_item(planner::Patient& patient, const planner::TargetSpec& target)
@@ -164,7 +166,7 @@ namespace {
         const bool is_estimated
             = std::find(m.estimated.begin(), m.estimated.end(), m.target_spec.label) != m.estimated.end();
         add_cautions(m, lines);
-        lines.push_back({ "target: " + readable(m.target) + (is_estimated ? " (estimated)" : ""), {}, target_color() });
+        lines.push_back({ "target: " + readable(m.target) + (is_estimated ? kEstimated : ""), {}, target_color() });
         lines.push_back({ "seen by the best eye",
             number(100.0 * m.seen_best_eye, 0, bar(bars ? 100.0 * m.error->seen_best_eye : 0.0) + "%"), std::nullopt });
         lines.push_back({ "  with two eyes and a lamp", number(100.0 * m.seen_two_eyes, 0, "%"), std::nullopt });
@@ -342,6 +344,12 @@ Scene surgeon_scene_without(
         });
     });
     return scene;
+}
+
+std::vector<LegendLine> estimated_lines(std::vector<LegendLine> legend)
+{
+    std::erase_if(legend, [](const LegendLine& line) { return !line.key.ends_with(kEstimated); });
+    return legend;
 }
 
 Scene overview_scene(planner::Patient& patient, const planner::PlannedField& field)

@@ -44,6 +44,9 @@ inline Camera camera_of(const planner::NamedView& view)
     return { .eye = view.eye, .aim = view.aim, .up = view.up, .view_angle_deg = view.view_angle_deg };
 }
 
+/// The lines of a legend that say what is only estimated: for pictures beside which the numbers stand.
+std::vector<LegendLine> estimated_lines(std::vector<LegendLine> legend);
+
 /// The opened patient from outside.
 Scene overview_scene(planner::Patient& patient, const planner::PlannedField& field);
 

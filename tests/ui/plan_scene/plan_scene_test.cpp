@@ -61,6 +61,17 @@ namespace plan_scene_test {
         EXPECT_NO_THROW(check_scene(scene));
     }
 
+    TEST_F(PlanScene, ATargetThatIsOnlyEstimatedSaysSoBesideNumbersToo)
+    {
+        EXPECT_TRUE(estimated_lines(surgeon_scene(*patient, *field).legend).empty());
+        planner::PlannedField guessed = *field;
+        guessed.metrics.target_spec.label = "target";
+        guessed.metrics.estimated = { "target" };
+        const std::vector<LegendLine> lines = estimated_lines(overview_scene(*patient, guessed).legend);
+        ASSERT_EQ(lines.size(), 1U);
+        EXPECT_TRUE(lines.front().key.ends_with("(estimated)")) << lines.front().key;
+    }
+
     TEST_F(PlanScene, ViewsThatDoNotExistAreRefused)
     {
         EXPECT_THROW(view_picture(*patient, *field, "sideways", 320, 240), InputError);

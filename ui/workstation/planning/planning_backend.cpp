@@ -54,9 +54,9 @@ namespace {
         for (const FieldMapName& map : kFieldMaps)
             if (auto drawn = field_map(patient, field, map.kind))
                 pictures.maps[map.kind] = *std::move(drawn);
-        // No legend: the numbers stand beside the picture.
-        pictures.surgeon.legend.clear();
-        pictures.overview.legend.clear();
+        // The numbers stand beside the picture; on it stands only that the target is estimated.
+        pictures.surgeon.legend = estimated_lines(std::move(pictures.surgeon.legend));
+        pictures.overview.legend = estimated_lines(std::move(pictures.overview.legend));
         return pictures;
     }
 
@@ -261,7 +261,7 @@ namespace {
             .ways = { { "finger", std::make_shared<const haptics::FingerAccess>(around, opening, finger) },
                 { "instrument", std::make_shared<const haptics::FingerAccess>(around, opening, instrument) } } };
         wound.scene.title = planner::spoken_name(field.approach) + ": palpation through the wound";
-        wound.scene.legend.clear(); // numbers of the plan
+        wound.scene.legend = estimated_lines(std::move(wound.scene.legend)); // without the numbers of the plan
         return wound;
     }
 

@@ -34,6 +34,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <tuple>
 
 #include <unistd.h>
 
@@ -47,7 +48,9 @@ namespace {
 
     constexpr const char* kMapsHelp
         = "Also draw numbers as colours, separated by commas: strain, pressure (of the blades), risk (distance to "
-          "structures at risk), sight (which part of the target is seen), eyes (from where)";
+          "structures at risk), sight (which part of the target is seen), eyes (from where), reach (of a finger and of "
+          "two "
+          "instruments)";
 
     struct PlanOptions {
         std::string case_file, approach, target, out, views, maps, size, backend, elasticity, element;
@@ -223,7 +226,7 @@ namespace {
 
     FieldViews picture_request(const PlanOptions& options, const planner::Case& planned_case)
     {
-        const auto [width, height] = parse_size(options.size);
+        const auto [width, height] = parse_size(options.size.empty() ? "1280x960" : options.size);
         FieldViews request { .views = options.views.empty() ? planned_case.views : split(options.views, ','),
             .width = width,
             .height = height,
@@ -501,8 +504,9 @@ namespace {
         if (!options.views.empty() || !options.maps.empty())
             throw InputError(
                 "a movie shows its own views: leave this option out", options.maps.empty() ? "--views" : "--maps");
-        const auto [width, height] = parse_size(options.size);
-        const MovieSettings settings { .width = width, .height = height };
+        MovieSettings settings;
+        if (!options.size.empty())
+            std::tie(settings.width, settings.height) = parse_size(options.size);
         check_movie(settings);
         PlannedCase planned(options, Rounds::one, job);
         auto& [in_file, patient, request, checks, folder, made, drawn] = planned;
@@ -732,7 +736,7 @@ void add_render_command(Commands& commands)
     CLI::App* command = commands.app.add_subcommand(
         "render", "Draw the planned fields of a case without a display; draw the case itself when it has no approach");
     command->footer("Example: retractor render case.json --out pictures --views surgeon,slices --size 1920x1080\n"
-                    "Example: retractor render case.json --out movie --play --size 1280x720");
+                    "Example: retractor render case.json --out movie --play");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
     command->add_option("--target", options->target,
@@ -744,7 +748,8 @@ void add_render_command(Commands& commands)
         "surgeon, overview, slices, kept (opened views that were kept in the window), separated by commas (default: "
         "the case's)");
     command->add_option("--maps", options->maps, kMapsHelp);
-    command->add_option("--size", options->size, "Width x height in pixels")->capture_default_str();
+    command->add_option(
+        "--size", options->size, "Width x height in pixels (default: 1280x960; a movie, as from the window, 1280x720)");
     command->add_flag("--play", options->play,
         "Write movie.webm (VP9) instead of pictures: each approach before the cut, cut, pulled open, and seen through "
         "the incision");

@@ -1385,6 +1385,11 @@ void MainWindow::open_manual()
         : model_->map()                               ? "Numbers as colours"
         : slices_shown()                              ? "Looking inside"
                                                       : "";
+    const QString translated_page = language() + "/getting-started.md"; // the first pages are in other languages too
+    std::error_code code;
+    if ((heading.isEmpty() || start_page_shown())
+        && std::filesystem::exists(*folder / translated_page.toStdString(), code))
+        return static_cast<void>(show_manual(*folder, translated_page, {}, this));
     show_manual(*folder, "workstation.md", heading, this);
 }
 

@@ -2,7 +2,6 @@
 
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "planner/measures/verdict.h"
 #include "ui/workstation/view/background_picture.h"
 
 #include <algorithm>
@@ -103,7 +102,7 @@ QString SightWatch::text() const
         return QString::fromStdString("What is seen cannot be measured: " + failure_);
     if (!seen_)
         return newest_ != nullptr ? "Measuring what is seen of the target …" : QString();
-    std::string text = "The best eye sees " + planner::two_digits(100.0 * seen_->seen_fraction) + " % of the target"
+    std::string text = formatted("The best eye sees %.0f %% of the target", 100.0 * seen_->seen_fraction)
         + formatted(
             " (\u00b1 %.0f; not counted: what hooks and blades hide)", std::max(1.0, 100.0 * seen_->sampling_error));
     if (seen_->seen_fraction > 0.0)

@@ -5416,6 +5416,10 @@
         <translation>まっすぐな指は開口部から%1に届きません。</translation>
     </message>
     <message>
+        <source>Two instruments reach %1 of what an eye could see of the %2.</source>
+        <translation>二本の器械は、見えうる%2の %1 に届きます。</translation>
+    </message>
+    <message>
         <source>No eye sees the %1 through the opening at less than 60 degrees of incidence.</source>
         <translation>入射角 60 度未満で開口部から%1を見る眼はありません。</translation>
     </message>
@@ -6304,12 +6308,12 @@
         <translation>%1：どこから見るとどれだけ見えるか</translation>
     </message>
     <message>
-        <source>NOT IN EQUILIBRIUM: do not use</source>
-        <translation>釣り合っていません：使わないでください</translation>
-    </message>
-    <message>
         <source>%1: What a finger and two instruments reach</source>
         <translation>%1：指と二本の器械が届く所</translation>
+    </message>
+    <message>
+        <source>NOT IN EQUILIBRIUM: do not use</source>
+        <translation>釣り合っていません：使わないでください</translation>
     </message>
     <message>
         <source>FAILED: do not use these numbers</source>

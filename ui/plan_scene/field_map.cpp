@@ -401,7 +401,9 @@ Picture map_picture(planner::Patient& patient, const planner::PlannedField& fiel
     const std::string& title, int width, int height)
 {
     Picture picture { .width = width, .height = height, .viewports = {} };
-    Scene outside = with_map(overview_scene(patient, field), map);
+    Scene outside = overview_scene(patient, field);
+    outside.legend = estimated_lines(std::move(outside.legend)); // the numbers have pictures of their own
+    outside = with_map(std::move(outside), map);
     constexpr double kLegendShare = 0.8; // of the narrower view
     outside.legend_share = kLegendShare;
     outside.title = map.from_side_deg != 0.0 ? planner::spoken_name(field.approach) + ": " + title : title;

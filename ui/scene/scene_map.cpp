@@ -19,7 +19,7 @@ Scene with_map(Scene scene, const SceneMap& map)
         *same = colored;
         same->name = name;
     }
-    scene.legend = map.legend;
+    scene.legend.insert(scene.legend.begin(), map.legend.begin(), map.legend.end());
     if (map.from_side_deg != 0.0) {
         const Camera turned = turned_round_aim(scene.camera, map.from_side_deg);
         if (const std::optional<Box> bounds = scene_bounds(scene))

@@ -15,7 +15,7 @@ struct SceneMap {
     double from_side_deg = 0.0;
 };
 
-/// The scene in the colours of the map, with its legend.
+/// The scene in the colours of the map, whose legend stands above what the scene's own says.
 Scene with_map(Scene scene, const SceneMap& map);
 
 } // namespace retractor::ui

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "planner/plan/plan.h"
 #include "tests/support/block_case.h"
+#include "ui/plan_scene/field_map.h"
 #include "ui/scene/vtk/identifier_picture.h"
 
 #include <gtest/gtest.h>
@@ -70,6 +71,13 @@ namespace plan_scene_test {
         const std::vector<LegendLine> lines = estimated_lines(overview_scene(*patient, guessed).legend);
         ASSERT_EQ(lines.size(), 1U);
         EXPECT_TRUE(lines.front().key.ends_with("(estimated)")) << lines.front().key;
+        Scene seen = surgeon_scene(*patient, guessed);
+        seen.legend = lines;
+        const auto map = field_map(*patient, guessed, FieldMapKind::sight);
+        ASSERT_TRUE(map);
+        const std::vector<LegendLine> with_colours = with_map(seen, *map).legend;
+        EXPECT_EQ(with_colours.size(), map->legend.size() + 1U);
+        EXPECT_EQ(with_colours.back().key, lines.front().key);
     }
 
     TEST_F(PlanScene, ViewsThatDoNotExistAreRefused)

@@ -1,6 +1,7 @@
 #include "ui/workstation/language/phrasebook.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 
 #include <QIODevice>
 #include <QStringList>
@@ -110,7 +111,8 @@ namespace {
     {
         static const QRegularExpression number("(?: -?[0-9.]+ (?:mm|%|s)| \\([0-9.]+ %\\))$");
         const QString behind = number.match(english).captured();
-        const QString name = english.left(english.size() - behind.size()).replace('_', ' ');
+        const QString name
+            = QString::fromStdString(readable(english.left(english.size() - behind.size()).toStdString()));
         if (name.count(kWord) > kMostWordsOfAName || name.contains('%'))
             return std::nullopt;
         const std::optional<QString> said = translated_name(book, name);

@@ -248,10 +248,14 @@ mesh::CutOptions cut_options_of(const Approach& approach, const mesh::LabelTable
 
 std::string instrument_name(const std::string& kind)
 {
-    return kind == "finochietto" ? "Finochietto rib spreader"
-        : kind == "sternal"      ? "sternal spreader"
-        : kind == "midcab"       ? "MIDCAB retractor"
-                                 : kind;
+    if (kind == "finochietto")
+        return "Finochietto rib spreader";
+    if (kind == "sternal")
+        return "sternal spreader";
+    if (kind == "midcab")
+        return "MIDCAB retractor";
+    const bool says_what = kind.ends_with("retractor") || kind.ends_with("spreader");
+    return says_what ? kind : kind + " retractor";
 }
 
 std::string target_name(const TargetSpec& target)

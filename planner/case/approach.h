@@ -74,7 +74,7 @@ struct RetractorSpec {
 };
 
 /// The instrument as surgeons call it: "Finochietto rib spreader" for "finochietto", "sternal spreader", "MIDCAB
-/// retractor". Another kind is one of the user's own table and keeps its name.
+/// retractor". Another kind is one of the user's own table: "small retractor" for "small".
 std::string instrument_name(const std::string& kind);
 
 /// What the surgeon wants to see: a label, a site on a label's surface, or a sphere where no label was drawn.

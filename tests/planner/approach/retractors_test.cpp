@@ -68,6 +68,15 @@ namespace retractors_test {
         }
     }
 
+    TEST(Retractors, HaveTheNamesThatSurgeonsUse)
+    {
+        EXPECT_EQ(instrument_name("finochietto"), "Finochietto rib spreader");
+        EXPECT_EQ(instrument_name("sternal"), "sternal spreader");
+        EXPECT_EQ(instrument_name("midcab"), "MIDCAB retractor");
+        EXPECT_EQ(instrument_name("small"), "small retractor") << "of the user's own table";
+        EXPECT_EQ(instrument_name("small spreader"), "small spreader");
+    }
+
     TEST(Retractors, BladesFaceEachOtherInTheMiddleAndHangFromTheirArms)
     {
         Approach approach = with_retractor("finochietto", { .opening_mm = 60.0 });

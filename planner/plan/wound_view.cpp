@@ -1,6 +1,7 @@
 #include "planner/plan/wound_view.h"
 
 #include "mesh/base/assert.h"
+#include "mesh/base/text_format.h"
 #include "mesh/image/skeleton.h"
 #include "mesh/surface/wound_surface.h"
 
@@ -184,7 +185,7 @@ WoundView look_through(const PlannedField& field, const Points& displacement, Pa
         wound_edges(field.wall, field.lips, mesh::SweptBlade(blade_of(field.approach))), field.wall, displacement,
         view.best.aim);
     if (const mesh::LabelInfo* organ = organ_of_sphere(patient, field.approach.target))
-        view.message = "the target sphere lies in the " + organ->name
+        view.message = "the target sphere lies in the " + readable(organ->name)
             + "; this organ does not count as blocking the view of the target";
     view.geometry = std::move(outlook.geometry);
     return view;

@@ -2,6 +2,7 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/segment.h"
+#include "mesh/base/text_format.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -340,19 +341,14 @@ RibJoints rib_joints(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels,
 
 std::string guessed_joints_text(const RibJoints& joints)
 {
-    const auto listed = [](const std::vector<std::string>& names) {
-        std::string text;
-        for (const std::string& name : names)
-            text += (text.empty() ? "" : ", ") + name;
-        return text;
-    };
     std::string text;
     if (!joints.neighbours_axis.empty())
-        text = "the labels show no joint of the tubercle with the spine for " + listed(joints.neighbours_axis)
+        text = "the labels show no joint of the tubercle with the spine for " + readable(joined(joints.neighbours_axis))
             + ": these ribs turn about the axis of the nearest rib that shows one";
     if (!joints.one_point.empty())
         text += (text.empty() ? "" : "; ") + std::string("the labels show one place of the joint with the spine for ")
-            + listed(joints.one_point) + ": these ribs turn about their heads, without an axis and without a stop";
+            + readable(joined(joints.one_point))
+            + ": these ribs turn about their heads, without an axis and without a stop";
     return text;
 }
 

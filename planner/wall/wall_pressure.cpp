@@ -118,14 +118,14 @@ std::string pressure_text(const PressureMetrics& pressure)
 {
     const double force = pressure.force_N.norm();
     const Vec3 along = force > 0.0 ? Vec3(pressure.force_N / force) : Vec3(Vec3::Zero());
-    std::string said = (pressure.pressure_kPa < 0.0 ? "suction of " : "pressure of ") + pressure.label
+    std::string said = (pressure.pressure_kPa < 0.0 ? "suction of " : "pressure of ") + readable(pressure.label)
         + formatted(": %.2f kPa on %.1f cm2, %s; total force %.2f N at rest, along (%.2f, %.2f, %.2f)",
             pressure.pressure_kPa, pressure.area_mm2 / 100.0,
             pressure.follows ? "following the moving surface" : "on the surface at rest (linear elasticity)", force,
             along.x(), along.y(), along.z());
     if (pressure.behind_gap_mm2 > 0.0)
         said += "; no pressure on a further " + in_words(pressure.behind_gap_mm2 / 100.0, 1)
-            + " cm2, because voxels without a label lie between the wall and " + pressure.label;
+            + " cm2, because voxels without a label lie between the wall and " + readable(pressure.label);
     return said;
 }
 

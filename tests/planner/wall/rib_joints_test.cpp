@@ -258,7 +258,7 @@ namespace rib_joints_test {
         const RibJoints joints = joints_of(one);
         EXPECT_TRUE(joints.hinges.empty());
         EXPECT_EQ(joints.one_point, std::vector<std::string> { "rib_left_5" });
-        EXPECT_NE(guessed_joints_text(joints).find("rib_left_5"), std::string::npos);
+        EXPECT_NE(guessed_joints_text(joints).find("left rib 5"), std::string::npos);
         EXPECT_TRUE(guessed_joints_text({}).empty());
         double sum = 0.0;
         for (const fem::BeddedVertex& spring : joints.springs)

@@ -585,7 +585,7 @@ namespace session_model_test {
         EXPECT_EQ(row_of(pressed, "Gape under pressure, without hooks").value, "8.0 mm");
         EXPECT_THROW((void)row_of(pressed, "Gape without hooks"), std::out_of_range);
         EXPECT_EQ(row_of(pressed, "Pressure").value, "1.33 kPa");
-        EXPECT_NE(row_of(pressed, "Pressure").meaning.find("lung_left"), std::string::npos);
+        EXPECT_NE(row_of(pressed, "Pressure").meaning.find("left lung"), std::string::npos);
         field.tension->message = "the wall was not solved";
         EXPECT_EQ(row_of(field_rows(field), "Gape under pressure, without hooks").value, "unknown");
     }

@@ -5,6 +5,7 @@
 #include "planner/approach/retractors.h"
 #include "planner/case/target_site.h"
 #include "ui/workstation/planning/approach_dialog.h"
+#include "ui/workstation/planning/metric_rows.h"
 #include "ui/workstation/planning/site_dialog.h"
 
 #include <QWidget>
@@ -287,8 +288,7 @@ void ApproachEditor::change_opening()
     dialog->set_usual_name(QString::fromStdString(spoken));
     dialog->set_present_instrument(
         QString::fromStdString(approach.retractor ? planner::instrument_name(approach.retractor->kind)
-                : approach.hooks.empty()          ? "no hooks"
-                                                  : formatted("%zu hooks", approach.hooks.size())));
+                                                  : hooks_in_words(approach.hooks.size())));
     ask(
         dialog,
         [approach, target, dialog](const planner::ApproachDraft& draft) -> Make {

@@ -376,12 +376,15 @@ LightLook light_look(planner::Light light)
     return { "#8b949c", words };
 }
 
+std::string hooks_in_words(std::size_t count)
+{
+    return count == 0 ? "no hooks" : std::to_string(count) + (count == 1 ? " hook" : " hooks");
+}
+
 std::string approach_summary(const planner::Approach& approach)
 {
     return number(planner::incision_length(approach), 0, "mm") + " long, "
-        + (approach.retractor
-                ? planner::retractor_text(*approach.retractor)
-                : std::to_string(approach.hooks.size()) + (approach.hooks.size() == 1 ? " hook" : " hooks"));
+        + (approach.retractor ? planner::retractor_text(*approach.retractor) : hooks_in_words(approach.hooks.size()));
 }
 
 } // namespace retractor::ui

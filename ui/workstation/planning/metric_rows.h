@@ -26,6 +26,8 @@ struct MetricSection {
 std::vector<MetricSection> field_rows(const planner::FieldMetrics& field);
 /// The rows of an approach that is not planned yet: the requested values.
 std::vector<MetricSection> approach_rows(const planner::Approach& approach);
+/// "no hooks", "1 hook", "4 hooks".
+std::string hooks_in_words(std::size_t count);
 /// One line for the list: "62 % seen, 41 N" for a planned field.
 std::string field_summary(const planner::FieldMetrics& field);
 std::string approach_summary(const planner::Approach& approach);

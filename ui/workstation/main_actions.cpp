@@ -59,7 +59,7 @@ void MainWindow::make_actions()
     make_approach_actions(*menuBar()->addMenu("&Approach"));
     make_knife_actions(*menuBar()->addMenu("&Knife"));
     QMenu* help = menuBar()->addMenu("&Help");
-    add_action(
+    QAction* const manual = add_action(
         *help, "Manual", QKeySequence::HelpContents, "Open the manual at what is shown", [this] { open_manual(); });
     add_action(*help, "Tour", {}, "See in eight steps what this window does", [this] { begin_tour(); });
     add_action(*help, "Save the log…", {}, "What the window said, to be attached to a report of a fault",
@@ -68,7 +68,7 @@ void MainWindow::make_actions()
     make_language_actions(*help);
     // Keys that work without the menus, in a conference.
     addActions({ surgeon_, overview_, slices_, incision_, compare_, opened_, cancel_, confer_, movie_, report_, linked_,
-        reset_view_, keep_view_, notes_action_ });
+        reset_view_, keep_view_, notes_action_, manual });
     make_tool_bar();
 }
 
@@ -99,7 +99,8 @@ void MainWindow::make_file_actions(QMenu& menu)
     save_ = add_action(
         menu, "Save picture…", QKeySequence::Save, "Save the picture as PNG", [this] { ask_for_picture_file(); });
     movie_ = add_action(menu, "Save a movie…", QKeySequence("Ctrl+M"),
-        "Save a movie of the plans: cut, opened, and seen through the incision", [this] { ask_for_movie_file(); });
+        "Save a movie of the plans: cut, opened, seen through the incision, and reached",
+        [this] { ask_for_movie_file(); });
     report_ = add_action(menu, "Save the report…", QKeySequence("Ctrl+R"),
         "Save the plans with numbers and pictures as a page for the browser", [this] { ask_for_report_file(); });
     palpate_ = add_action(menu, "Palpate a structure…", {}, "Palpate a vessel or an organ of this case in a new window",

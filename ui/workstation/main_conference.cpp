@@ -150,12 +150,13 @@ void MainWindow::set_conference(bool on)
         notes_->start_clock();
         steps_ = steps_now();
         step_ = 0;
+        map_before_conference_ = model_->map();
         was_maximized_ = isMaximized();
         showFullScreen();
         view_->setCursor(pointer());
     } else {
         notes_->close();
-        model_->set_map(map_of_step(steps_[step_], std::nullopt));
+        model_->set_map(map_before_conference_);
         steps_.clear();
         was_maximized_ ? showMaximized() : showNormal();
         view_->unsetCursor();
@@ -181,15 +182,10 @@ std::vector<planner::PresentationStep> MainWindow::steps_now() const
     return planner::presentation_of(model_->planned_case(), known, model_->decisions());
 }
 
-/// The map after a step was left: what is reached is shown by a map of its own, which the other steps do not keep.
-std::optional<FieldMapKind> MainWindow::map_of_step(
-    const planner::PresentationStep& left, const std::optional<planner::PresentationStep>& shown) const
+/// What is reached is shown by a map of its own; the other steps keep the one that was chosen before.
+std::optional<FieldMapKind> MainWindow::map_of_step(const planner::PresentationStep& step) const
 {
-    const auto reaches
-        = [](const planner::PresentationStep& step) { return step.view == planner::PresentedView::reached; };
-    if (shown && reaches(*shown))
-        return FieldMapKind::reach;
-    return reaches(left) ? std::nullopt : model_->map();
+    return step.view == planner::PresentedView::reached ? FieldMapKind::reach : map_before_conference_;
 }
 
 void MainWindow::renew_steps()
@@ -202,6 +198,7 @@ void MainWindow::renew_steps()
         return step.approach == present.approach && step.view == present.view && step.title == present.title;
     });
     step_ = same == steps_.end() ? 0 : static_cast<std::size_t>(same - steps_.begin());
+    model_->set_map(map_of_step(steps_[step_]));
     conference_bar_->show_step(steps_[step_], step_ + 1, steps_.size());
     show_step_in_notes();
 }
@@ -217,7 +214,7 @@ void MainWindow::go_to_step(std::size_t number)
     if (!in_conference() || number >= steps_.size())
         return;
     const planner::PresentationStep& step = steps_[number];
-    model_->set_map(map_of_step(steps_[step_], step));
+    model_->set_map(map_of_step(step));
     if (steps_[step_].kept && !step.kept)
         shown_ = {}; // the same picture is shown from where it was seen first
     step_ = number;
@@ -279,9 +276,15 @@ void MainWindow::forget_view()
     if (!model_ || model_->decisions().views.empty())
         return;
     const std::vector<planner::NamedView> views = model_->decisions().views;
+    const auto spoken = [&](const std::string& name) {
+        for (const planner::Approach& approach : model_->planned_case().approaches)
+            if (approach.name == name)
+                return planner::spoken_name(approach);
+        return name; // its approach was removed
+    };
     QStringList names;
     for (const planner::NamedView& view : views)
-        names += QString::fromStdString(view.name + " (" + view.approach + ")");
+        names += QString::fromStdString(view.name + " (" + spoken(view.approach) + ")");
     const int generation = generation_;
     bool chosen = false;
     const QString name

@@ -3,6 +3,7 @@
 #include "datasets/phantoms/aorta_phantom.h"
 #include "datasets/phantoms/palpation_scene_file.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 #include "planner/approach/demo_patient.h"
 #include "planner/case/case_io.h"
 #include "planner/case/import_case.h"
@@ -1382,8 +1383,8 @@ void MainWindow::open_manual()
         : measuring_                                  ? "Measuring"
         : editor_->drawing()                          ? "Approaches"
         : model_->shown_view() == ViewPreset::compare ? "Comparing"
-        : model_->map()                               ? "Numbers as colours"
         : slices_shown()                              ? "Looking inside"
+        : model_->shown_source().map                  ? "Numbers as colours"
                                                       : "";
     const QString translated_page = language() + "/getting-started.md"; // the first pages are in other languages too
     std::error_code code;
@@ -1527,19 +1528,20 @@ void MainWindow::ask_for_structure()
 {
     if (!model_)
         return;
+    const mesh::LabelTable table = model_->planned_case().label_table; // as it is while the dialog waits
     QStringList names;
     int vessel = 0;
-    for (const mesh::LabelInfo& info : model_->planned_case().label_table) {
+    for (const mesh::LabelInfo& info : table) {
         if (info.material == "vessel" && vessel == 0)
             vessel = static_cast<int>(names.size());
-        names += QString::fromStdString(info.name);
+        names += translated(readable(info.name));
     }
     bool chosen = false;
     const QString name = QInputDialog::getItem(this, translated("Palpate"),
         translated("Structure to palpate (a vessel gets a wall of 2 mm, filled with blood):"), names, vessel, false,
         &chosen);
-    if (chosen)
-        palpate(name.toStdString());
+    if (const auto at = names.indexOf(name); chosen && at >= 0)
+        palpate(table[static_cast<std::size_t>(at)].name);
 }
 
 void MainWindow::show_about()

@@ -220,8 +220,7 @@ private:
     void name_place(std::size_t scene, const planner::Ray& ray);
 
     void set_map(std::optional<FieldMapKind> map);
-    std::optional<FieldMapKind> map_of_step(
-        const planner::PresentationStep& left, const std::optional<planner::PresentationStep>& shown) const;
+    std::optional<FieldMapKind> map_of_step(const planner::PresentationStep& step) const;
     void open_manual();
     bool labels_tab_open() const;
     /// Gives the mouse to the brush on the slices.
@@ -335,6 +334,7 @@ private:
     LabelPanel* label_panel_ = nullptr;
     QWidget* approach_pane_ = nullptr;
     QToolBar* tool_bar_ = nullptr;
+    std::optional<FieldMapKind> map_before_conference_ {}; ///< shown again behind the conference
     StepBar* conference_bar_ = nullptr;
     std::vector<planner::PresentationStep> steps_; ///< of the conference; empty: there is none
     std::size_t step_ = 0;

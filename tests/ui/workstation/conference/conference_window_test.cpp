@@ -151,9 +151,23 @@ namespace conference_window_test {
         press(Qt::Key_Right);
         press(Qt::Key_Right);
         ASSERT_EQ(window_.model()->map(), FieldMapKind::reach) << title();
+        press(Qt::Key_Left);
+        EXPECT_EQ(window_.model()->map(), FieldMapKind::strain) << title();
+        press(Qt::Key_Right);
         press(Qt::Key_Escape);
-        EXPECT_FALSE(window_.model()->map());
-        EXPECT_TRUE(window_.view().scenes().front().legend.empty());
+        EXPECT_EQ(window_.model()->map(), FieldMapKind::strain) << "as before the conference";
+        EXPECT_EQ(window_.view().scenes().front().legend.front().key, "largest elongation");
+    }
+
+    TEST_F(ConferenceTest, TheManualOpensAtTheConference)
+    {
+        open_synthetic();
+        press(Qt::Key_F5);
+        press(Qt::Key_F1);
+        auto* manual = window_.findChild<QWidget*>("manual");
+        ASSERT_NE(manual, nullptr) << window_.message_line();
+        EXPECT_EQ(manual->findChild<QTextBrowser*>()->textCursor().block().text(), "In the case conference");
+        manual->close();
     }
 
     TEST_F(ConferenceTest, ThreePlansTurnTogetherBesideEachOther)

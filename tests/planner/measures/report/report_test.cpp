@@ -470,7 +470,7 @@ namespace report_test {
         write_report(file, report);
         const std::string html = content_of(file);
         for (const char* part : { "2026-01-02T03:04:05Z, by retractor 9.9", "C/case.json", "<td>0.123 MPa</td>",
-                 "opposite hooks</td><td>60.0 mm</td>", "tissue under them</td><td>38.0 mm</td>" })
+                 "from side to side</td><td>60.0 mm</td>", "tissue under them</td><td>38.0 mm</td>" })
             EXPECT_NE(html.find(part), std::string::npos) << part;
     }
 

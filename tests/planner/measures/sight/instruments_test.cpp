@@ -61,7 +61,12 @@ namespace instruments_test {
         constexpr double kHole = 9.5, kHeight = 79.0;
         const double radius = std::sqrt(kFingerReachMm * kFingerReachMm - kHeight * kHeight);
         const double share = radius * radius / (kDisc * kDisc);
-        const double touched = static_cast<double>(finger(kHole, kHeight).touched.size()) / kSamples;
+        const std::vector<std::size_t> samples = finger(kHole, kHeight).touched;
+        const RayScene scene = disc_under_hole(kHole, kHeight);
+        const std::vector<SurfaceSample> places = surface_samples(scene.target(), kSamples);
+        for (const std::size_t sample : samples)
+            EXPECT_LT(places.at(sample).position.head<2>().norm(), 1.1 * radius);
+        const double touched = static_cast<double>(samples.size()) / kSamples;
         EXPECT_NEAR(touched, share, 0.15 * share) << "the hole is wider than the finger by 1.5 mm";
     }
 

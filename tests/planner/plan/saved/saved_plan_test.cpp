@@ -84,8 +84,10 @@ namespace saved_plan_test {
 
     TEST_F(SavedPlan, IsReadAsItWasPlanned)
     {
-        const Planned whole = plan_block(true);
+        Planned whole = plan_block(true);
         here.approaches = whole.planned_case.approaches;
+        whole.field.best_eye.two_instruments_reach = { 2, 70'000 }; // nothing reaches into so small a wound
+        whole.field.best_eye.finger_touches = { 5 };
         const PlannedField& field = whole.field;
         ASSERT_EQ(field.status, PlanStatus::done) << field.message;
         ASSERT_TRUE(field.metrics.error && field.metrics.retractor && field.metrics.parameters);
@@ -112,6 +114,8 @@ namespace saved_plan_test {
         EXPECT_EQ(read.opening.strain, field.opening.strain);
         EXPECT_EQ(read.geometry.centre, field.geometry.centre);
         EXPECT_EQ(read.best_eye.eye, field.best_eye.eye);
+        EXPECT_EQ(read.best_eye.two_instruments_reach, field.best_eye.two_instruments_reach);
+        EXPECT_EQ(read.best_eye.finger_touches, field.best_eye.finger_touches);
         EXPECT_EQ(read.remaining_wall.triangles, field.remaining_wall.triangles);
         EXPECT_EQ(saved->date.size(), std::string("2026-11-22T12:58:03Z").size());
     }

@@ -73,7 +73,8 @@ namespace {
         const std::string target = readable(field.target);
         const std::string instruments = "Two instruments reach " + percent(field.reached_by_two_instruments)
             + " of what an eye could see of the " + target + ". ";
-        if (field.reached_by_finger > 0.0)
+        constexpr double kNothing = 0.005; // a share that rounds to nothing
+        if (field.reached_by_finger >= kNothing)
             return instruments + "A finger touches " + percent(field.reached_by_finger) + ".";
         return instruments
             + (field.finger_lacks_mm

@@ -1,7 +1,7 @@
 #pragma once
 // The plans of a case step by step, for the team's case conference: for each approach where it cuts, what the blade
-// passes, how the wound opens, what the surgeon sees and what she reaches; at the end all planned approaches beside each other. The
-// window shows the steps one by one, a movie plays them.
+// passes, how the wound opens, what the surgeon sees and what she reaches; at the end all planned approaches beside
+// each other. The window shows the steps one by one, a movie plays them.
 
 #include "planner/case/case.h"
 #include "planner/decision/decisions.h"

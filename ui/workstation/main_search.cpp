@@ -1,6 +1,7 @@
 // The search for an incision in the main window, and the weights of its score.
 
 #include "mesh/base/error.h"
+#include "planner/approach/approach_draft.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/metrics_panel.h"
 #include "ui/workstation/planning/search_dialog.h"
@@ -29,7 +30,8 @@ void MainWindow::search_incisions()
         planner::add_proposals(present, taken);
         const std::vector<planner::Approach> added(
             present.approaches.begin() + static_cast<std::ptrdiff_t>(before), present.approaches.end());
-        model_->add_approaches(added, added.size() == 1 ? "add " + planner::spoken_name(added.front()) : "add proposals");
+        const std::string what = added.size() == 1 ? planner::spoken_name(added.front()) : "proposals";
+        model_->add_approaches(added, "add " + what);
         model_->select(before);
         editor_->on_edit();
         show_message("Added: plan with P, compare with 5.");

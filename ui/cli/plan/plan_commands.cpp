@@ -49,8 +49,7 @@ namespace {
     constexpr const char* kMapsHelp
         = "Also draw numbers as colours, separated by commas: strain, pressure (of the blades), risk (distance to "
           "structures at risk), sight (which part of the target is seen), eyes (from where), reach (of a finger and of "
-          "two "
-          "instruments)";
+          "two instruments)";
 
     struct PlanOptions {
         std::string case_file, approach, target, out, views, maps, size, backend, elasticity, element;
@@ -751,8 +750,8 @@ void add_render_command(Commands& commands)
     command->add_option(
         "--size", options->size, "Width x height in pixels (default: 1280x960; a movie, as from the window, 1280x720)");
     command->add_flag("--play", options->play,
-        "Write movie.webm (VP9) instead of pictures: each approach before the cut, cut, pulled open, and seen through "
-        "the incision");
+        "Write movie.webm (VP9) instead of pictures: each approach before the cut, cut, pulled open, seen through "
+        "the incision, and what is reached");
     command->add_flag("--frames", options->frames, "With --play: also every frame as a picture, frames/00001.png ..");
     command->add_flag("--no-names", options->without_names, "Leave out the names of structures in the surgeon's view");
     add_solution_options(*command, *options);

@@ -104,8 +104,8 @@
         <translation>動画を保存…</translation>
     </message>
     <message>
-        <source>Save a movie of the plans: cut, opened, and seen through the incision</source>
-        <translation>計画の動画を保存する：切開、開創、切開部からの視野</translation>
+        <source>Save a movie of the plans: cut, opened, seen through the incision, and reached</source>
+        <translation>計画の動画を保存する：切開、開創、切開部からの視野、手の届く所</translation>
     </message>
     <message>
         <source>Save the report…</source>
@@ -6226,6 +6226,14 @@
     <message>
         <source>%1, by retractor %2</source>
         <translation>%1、retractor %2 による</translation>
+    </message>
+    <message>
+        <source>%1, opened by a %2</source>
+        <translation>%1、%2で開く</translation>
+    </message>
+    <message>
+        <source>%1, opened %2 mm</source>
+        <translation>%1、%2 mm 開く</translation>
     </message>
     <message>
         <source>range %1 - %2 MPa, %3; middle value</source>

@@ -205,7 +205,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 words.push_back(risk_text(risk));
             return listed(words);
         });
-        text_row("Hooks bear on", [](const FieldMetrics& f) {
+        text_row("Hooks and blades bear on", [](const FieldMetrics& f) {
             std::vector<std::string> words;
             for (const HookForce& hook : f.hooks)
                 words.push_back(readable(hook.name) + ": " + bearing_text(hook));
@@ -361,6 +361,21 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                     << "</script>";
     }
 
+    /// "+7.7 %", "0.0 %".
+    std::string change_text(double percent)
+    {
+        const std::string size = in_words(percent, 1);
+        return (size.front() == '-' || size == "0.0" ? "" : "+") + size + " %";
+    }
+
+    /// Three digits, and no powers of ten where the number has no more than six places.
+    std::string three_digits(double value)
+    {
+        constexpr double kFourPlaces = 1e3, kSevenPlaces = 1e6;
+        const bool is_long = std::abs(value) >= kFourPlaces && std::abs(value) < kSevenPlaces;
+        return is_long ? in_words(std::round(value / 10.0) * 10.0) : formatted("%.3g", value);
+    }
+
     /// The interval from tissue values, and the table of the parameters that decide.
     void write_parameters(std::ostream& out, const FieldMetrics& field)
     {
@@ -376,10 +391,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                "with</th><th>Range</th><th>Force at the upper end</th><th>Opening at the upper end</th><th>From</th>"
                "</tr></thead><tbody>";
         for (const ParameterInfluence& p : field.parameters->parameters)
-            out << "<tr><td>" << escaped(p.name) << "</td><td>" << formatted("%.3g ", p.value)
-                << escaped(p.unit == "1" ? "" : p.unit) << "</td><td>" << formatted("%.3g to %.3g", p.low, p.high)
-                << "</td><td>" << formatted("%+.1f %%", p.force_change_percent) << "</td><td>"
-                << formatted("%+.1f %%", p.opening_change_percent) << "</td><td>" << escaped(p.source) << "</td></tr>";
+            out << "<tr><td>" << escaped(p.name) << "</td><td>" << three_digits(p.value) << ' '
+                << escaped(p.unit == "1" ? "" : p.unit) << "</td><td>" << three_digits(p.low) << " to "
+                << three_digits(p.high) << "</td><td>" << change_text(p.force_change_percent) << "</td><td>"
+                << change_text(p.opening_change_percent) << "</td><td>" << escaped(p.source) << "</td></tr>";
         out << "</tbody></table>";
     }
 

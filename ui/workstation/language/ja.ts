@@ -5004,8 +5004,8 @@
         <translation>鉤・開創器から最も近い危険構造</translation>
     </message>
     <message>
-        <source>Hooks bear on</source>
-        <translation>鉤のかかる所</translation>
+        <source>Hooks and blades bear on</source>
+        <translation>鉤とブレードのかかる所</translation>
     </message>
     <message>
         <source>Largest strain of each tissue, over balls of 5 mm radius</source>

@@ -452,6 +452,28 @@ namespace report_test {
             std::string::npos);
     }
 
+    TEST(Report, WritesTissueValuesWithoutPowersOfTenAndZeroWithoutASign)
+    {
+        Report report;
+        report.fields = { sample_field("a") };
+        ParameterInterval& interval = report.fields[0].parameters.emplace();
+        interval.parameters = { { .name = "rib",
+                                    .unit = "MPa",
+                                    .value = 6114.0,
+                                    .low = 4028.0,
+                                    .high = 9267.0,
+                                    .force_change_percent = 7.66,
+                                    .opening_change_percent = -0.02,
+                                    .source = "tested ribs" },
+            { .name = "skin", .unit = "MPa", .value = 0.2, .low = 0.1154, .high = 0.3462, .source = "tested skin" } };
+        const fs::path path = fs::path(::testing::TempDir()) / "report_values.html";
+        write_report(path, report);
+        const std::string html = content_of(path);
+        for (const char* part : { "<td>6110 MPa</td><td>4030 to 9270</td><td>+7.7 %</td><td>0.0 %</td>",
+                 "<td>0.2 MPa</td><td>0.115 to 0.346</td>" })
+            EXPECT_NE(html.find(part), std::string::npos) << part;
+    }
+
     TEST(Report, SaysWhatWasComputedAndTheOpeningAskedFor)
     {
         Report report;

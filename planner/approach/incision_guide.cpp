@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 namespace retractor::planner {
 
@@ -26,15 +27,17 @@ std::vector<LandmarkDistance> landmark_distances(Patient& patient, const Approac
         return {};
     }
     const BodyProbe probe(*labels);
+    // A finger feels the ends of the sternum straight in front of them, not at the nearest skin, which over the notch
+    // is that of the neck.
+    const Vec3 &forward = anatomy->frame.anterior, &axis = anatomy->sternum.axis;
+    const Vec3 ahead = (forward - axis.dot(forward) * axis).normalized();
     std::vector<LandmarkDistance> landmarks;
     for (const auto& [name, bone] : { std::pair("jugular notch", anatomy->sternum.top),
              std::pair("tip of the xiphoid", anatomy->sternum.bottom) }) {
-        Vec3 at;
-        try {
-            at = probe.project_to_skin(bone);
-        } catch (const InputError&) { // the image ends here
-            continue;
-        }
+        const std::optional<double> skin = probe.skin_along(bone, ahead);
+        if (!skin)
+            continue; // the image ends here
+        const Vec3 at = bone + *skin * ahead;
         landmarks.push_back({ .landmark = name,
             .at = at,
             .to_start_mm = (approach.incision.front() - at).norm(),

@@ -4,9 +4,9 @@
 #include "mesh/base/text_format.h"
 #include "planner/approach/approach_draft.h"
 #include "planner/measures/comparison.h"
+#include "planner/measures/sight/finger_text.h"
 #include "planner/measures/verdict.h"
 
-#include <algorithm>
 #include <string_view>
 
 namespace retractor::planner {
@@ -70,17 +70,8 @@ namespace {
     {
         if (const std::string why = why_not_to_use(field); !why.empty())
             return why;
-        const std::string target = readable(field.target);
-        const std::string instruments = "Two instruments reach " + percent(field.reached_by_two_instruments)
-            + " of what an eye could see of the " + target + ". ";
-        constexpr double kNothing = 0.005; // a share that rounds to nothing
-        if (field.reached_by_finger >= kNothing)
-            return instruments + "A finger touches " + percent(field.reached_by_finger) + ".";
-        return instruments
-            + (field.finger_lacks_mm
-                    ? formatted("A finger ends %.0f mm before the ", std::max(1.0, *field.finger_lacks_mm)) + target
-                        + "."
-                    : "No straight finger comes to the " + target + " through the opening.");
+        return "Two instruments reach " + percent(field.reached_by_two_instruments)
+            + " of what an eye could see of the " + readable(field.target) + ". " + finger_text(field);
     }
 
     void add_steps(std::vector<PresentationStep>& steps, const Approach& approach, std::size_t index,

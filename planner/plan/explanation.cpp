@@ -2,6 +2,7 @@
 
 #include "mesh/base/text_format.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/sight/finger_text.h"
 #include "planner/plan/planned_field.h"
 
 #include <algorithm>
@@ -88,16 +89,6 @@ namespace {
             + sight + ". ";
     }
 
-    std::string finger_sentence(const FieldMetrics& metrics)
-    {
-        const std::string target = readable(metrics.target);
-        if (metrics.reached_by_finger > 0.0)
-            return "A finger touches " + percent(metrics.reached_by_finger) + ". ";
-        return metrics.finger_lacks_mm ? formatted(
-                   "A finger ends %.0f mm before the %s. ", std::max(1.0, *metrics.finger_lacks_mm), target.c_str())
-                                       : "No straight finger comes to the " + target + " through the opening. ";
-    }
-
     /// Names with their shares, the largest first.
     std::string named_shares(const std::vector<SightShare>& shares, std::size_t most)
     {
@@ -144,7 +135,7 @@ namespace {
 std::string explain_field(const PlannedField& field, const AnatomicalFrame& frame)
 {
     std::string text = field.approach.rationale.empty() ? "" : field.approach.rationale + " ";
-    text += sight_sentence(field.metrics) + annulus_sentence(field.metrics) + finger_sentence(field.metrics);
+    text += sight_sentence(field.metrics) + annulus_sentence(field.metrics) + finger_text(field.metrics) + " ";
     if (const std::string side = hidden_side(field.exposure, frame); !side.empty())
         text += "What stays hidden is its " + side + " part. ";
     text += blocker_sentence(field.best_eye) + bone_sentence(field.exposure) + opening_sentence(field.metrics);

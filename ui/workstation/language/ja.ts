@@ -5416,6 +5416,10 @@
         <translation>まっすぐな指は開口部から%1に届きません。</translation>
     </message>
     <message>
+        <source>A finger touches less than 1 %.</source>
+        <translation>指が触れるのは 1 % 未満です。</translation>
+    </message>
+    <message>
         <source>Two instruments reach %1 of what an eye could see of the %2.</source>
         <translation>二本の器械は、見えうる%2の %1 に届きます。</translation>
     </message>

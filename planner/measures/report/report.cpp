@@ -368,12 +368,13 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return (size.front() == '-' || size == "0.0" ? "" : "+") + size + " %";
     }
 
-    /// Three digits, and no powers of ten where the number has no more than six places.
+    /// Three digits, without powers of ten for large numbers: "0.115", "6110".
     std::string three_digits(double value)
     {
-        constexpr double kFourPlaces = 1e3, kSevenPlaces = 1e6;
-        const bool is_long = std::abs(value) >= kFourPlaces && std::abs(value) < kSevenPlaces;
-        return is_long ? in_words(std::round(value / 10.0) * 10.0) : formatted("%.3g", value);
+        if (!(std::abs(value) >= 1000.0) || !std::isfinite(value))
+            return formatted("%.3g", value);
+        const double step = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
+        return in_words(std::round(value / step) * step);
     }
 
     /// The interval from tissue values, and the table of the parameters that decide.

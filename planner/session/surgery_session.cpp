@@ -1251,7 +1251,8 @@ namespace {
             percent << 100.0 * strain << " % tension";
             return strain == 0.0 ? std::string("no tension") : percent.str();
         };
-        return "under " + text(here) + " here, " + text(planned) + " in the plan: the wound opens differently";
+        return "Here the tissue is under " + text(here) + ", in the plan under " + text(planned)
+            + ": the wound opens differently";
     }
 
 } // namespace

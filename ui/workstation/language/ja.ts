@@ -4516,15 +4516,15 @@
         <translation>最良の目に標的の %1 % が見える（± %2、鉤とブレードに隠れる分は数えない）。</translation>
     </message>
     <message>
-        <source>under %1 tension here, %2 tension in the plan: the wound opens differently</source>
+        <source>Here the tissue is under %1 tension, in the plan under %2 tension: the wound opens differently</source>
         <translation>ここでの張りは %1、計画では %2 です。創の開き方が違います</translation>
     </message>
     <message>
-        <source>under %1 tension here, no tension in the plan: the wound opens differently</source>
+        <source>Here the tissue is under %1 tension, in the plan under no tension: the wound opens differently</source>
         <translation>ここでの張りは %1、計画では張りなしです。創の開き方が違います</translation>
     </message>
     <message>
-        <source>under no tension here, %1 tension in the plan: the wound opens differently</source>
+        <source>Here the tissue is under no tension, in the plan under %1 tension: the wound opens differently</source>
         <translation>ここでは張りなし、計画での張りは %1 です。創の開き方が違います</translation>
     </message>
     <message>

@@ -361,7 +361,7 @@ namespace language_test {
             EXPECT_EQ(english_in(sentence), "") << sentence;
         for (const char* const text : { "With lungs of 30 % of their volume, B shows most (35 %), not A (30 %).",
                  "The sternum would break from 20 mm on.", "Rib 4 on the left would break from 30 mm on.",
-                 "under no tension here, 4 % tension in the plan: the wound opens differently",
+                 "Here the tissue is under no tension, in the plan under 4 % tension: the wound opens differently",
                  "taking off the upper blade 2", "moving the hook 1", "hook 1 has lost its tissue and was removed",
                  "The aorta is cut. Sternum is sawn through." })
             EXPECT_EQ(english_in(text), "") << text;

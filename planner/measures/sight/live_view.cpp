@@ -39,12 +39,12 @@ LiveView::LiveView(Patient& patient, const Approach& approach)
 {
 }
 
-SeenNow LiveView::look(const TriMesh& wall, const TriMesh& beyond, const Job& job) const
+SeenNow LiveView::look(const TriMesh& wall, const TriMesh& around, const Job& job) const
 {
     const Stopwatch watch;
     std::vector<Occluder> occluders = organs_;
     occluders.push_back({ .name = "wall", .surface = wall, .labels = {}, .material = {} });
-    occluders.push_back({ .name = "wall beyond the model", .surface = beyond, .labels = {}, .material = {} });
+    occluders.push_back({ .name = "around", .surface = around, .labels = {}, .material = {} });
     const RayScene scene(*target_, std::move(occluders), job);
     const std::vector<SurfaceSample> samples = surface_samples(scene.target(), kSamples);
     const SurgeonEye best

@@ -23,15 +23,16 @@ struct SeenNow {
 };
 
 /// The target and the organs of an approach, prepared once. Eyes stand as for a plan (eye_places_through()), about the
-/// middle of the incision as it is planned. Hooks and blades do not hide anything.
+/// middle of the incision as it is planned.
 class LiveView {
 public:
     /// @throws InputError, IoError as organ_occluders() and Patient::target() do
     LiveView(Patient& patient, const Approach& approach);
 
-    /// @param wall the wall as it is now; @param beyond the wall outside the model, may be empty
+    /// @param wall the wall as it is now
+    /// @param around what else hides something now: the wall outside the model, hooks and blades; may be empty
     /// @throws InputError as RayScene() and best_eye() do
-    SeenNow look(const TriMesh& wall, const TriMesh& beyond, const Job& job = {}) const;
+    SeenNow look(const TriMesh& wall, const TriMesh& around, const Job& job = {}) const;
 
 private:
     std::shared_ptr<const TriMesh> target_;

@@ -407,7 +407,9 @@ void KnifeTool::watch_sight()
         if (!wound && !snapshot.stroke_open)
             sight_.forget();
     } else {
-        sight_.watch(snapshot.picture, beyond_, *shown()->look);
+        TriMesh around = beyond_;
+        append(around, steel_);
+        sight_.watch(snapshot.picture, around, *shown()->look);
         age_timer_.start();
     }
     panel_.show_sight(sight_.text());
@@ -434,12 +436,12 @@ void KnifeTool::show_beyond()
 void KnifeTool::show_steel()
 {
     const planner::SurgerySnapshot& snapshot = *shown()->snapshot;
-    TriMesh steel;
+    steel_ = {};
     for (const planner::HookState& hook : snapshot.hooks.hooks)
-        append(steel, steel_of(hook, snapshot));
+        append(steel_, steel_of(hook, snapshot));
     for (const planner::RetractorState& retractor : snapshot.hooks.retractors)
-        append(steel, rack_of(retractor, snapshot));
-    drawn_.wall.set_steel(steel);
+        append(steel_, rack_of(retractor, snapshot));
+    drawn_.wall.set_steel(steel_);
 }
 
 void KnifeTool::show_line()

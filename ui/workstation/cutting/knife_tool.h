@@ -124,6 +124,7 @@ private:
     };
     Props drawn_;
     std::shared_ptr<const planner::WallSurface> drawn_surface_; ///< surface from which drawn_.wall was made
+    TriMesh steel_; ///< hooks, blades and racks as they are drawn
     TriMesh beyond_; ///< the body outside the wall, as shown
     std::map<std::size_t, Session> sessions_;
     std::optional<std::size_t> shown_;

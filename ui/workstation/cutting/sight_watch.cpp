@@ -40,14 +40,14 @@ SightWatch::SightWatch()
     executor_.post([](const Job&) { lower_priority(); });
 }
 
-void SightWatch::watch(std::shared_ptr<const planner::WallPicture> wall, const TriMesh& beyond, const Look& look)
+void SightWatch::watch(std::shared_ptr<const planner::WallPicture> wall, const TriMesh& around, const Look& look)
 {
     if (wall == newest_ || wall == nullptr || !look)
         return;
     if (newest_ == measured_ && measured_ != nullptr)
         since_.start();
     newest_ = wall;
-    Wound wound { .wall = std::move(wall), .beyond = beyond, .look = look };
+    Wound wound { .wall = std::move(wall), .around = around, .look = look };
     if (running_)
         waiting_ = std::move(wound);
     else
@@ -62,7 +62,7 @@ void SightWatch::begin(Wound wound)
         auto seen = std::make_shared<std::optional<planner::SeenNow>>();
         std::string failure;
         try {
-            *seen = wound.look(shown_mesh(*wound.wall), wound.beyond, job);
+            *seen = wound.look(shown_mesh(*wound.wall), wound.around, job);
         } catch (...) {
             failure = to_string(current_failure());
         }
@@ -102,9 +102,8 @@ QString SightWatch::text() const
         return QString::fromStdString("What is seen cannot be measured: " + failure_);
     if (!seen_)
         return newest_ != nullptr ? "Measuring what is seen of the target …" : QString();
-    std::string text = formatted("The best eye sees %.0f %% of the target", 100.0 * seen_->seen_fraction)
-        + formatted(
-            " (\u00b1 %.0f; not counted: what hooks and blades hide)", std::max(1.0, 100.0 * seen_->sampling_error));
+    std::string text = formatted("The best eye sees %.0f %% of the target (\u00b1 %.0f)", 100.0 * seen_->seen_fraction,
+        std::max(1.0, 100.0 * seen_->sampling_error));
     if (seen_->seen_fraction > 0.0)
         text += formatted(", %.0f\u00b0 off the straight view", seen_->off_straight_deg);
     if (newest_ != measured_)

@@ -18,13 +18,13 @@ namespace retractor::ui {
 
 class SightWatch : public QObject {
 public:
-    using Look = std::function<planner::SeenNow(const TriMesh& wall, const TriMesh& beyond, const Job&)>;
+    using Look = std::function<planner::SeenNow(const TriMesh& wall, const TriMesh& around, const Job&)>;
 
     SightWatch();
 
     /// Measures this wound, unless it is measured already.
-    /// @param beyond the wall outside the model, as shown
-    void watch(std::shared_ptr<const planner::WallPicture> wall, const TriMesh& beyond, const Look& look);
+    /// @param around what else hides something, as shown: the wall outside the model, hooks and blades
+    void watch(std::shared_ptr<const planner::WallPicture> wall, const TriMesh& around, const Look& look);
     /// Shows nothing until the next watch().
     void forget();
     bool idle() const { return !running_; }
@@ -38,7 +38,7 @@ public:
 private:
     struct Wound {
         std::shared_ptr<const planner::WallPicture> wall;
-        TriMesh beyond;
+        TriMesh around;
         Look look;
     };
     void begin(Wound wound);

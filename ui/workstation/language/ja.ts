@@ -4500,20 +4500,20 @@
         <translation>%1   %2 mm、%3</translation>
     </message>
     <message>
-        <source>The best eye sees %1 % of the target (± %2; not counted: what hooks and blades hide), %3° off the straight view; %4 s ago.</source>
-        <translation>最良の目に標的の %1 % が見える（± %2、鉤とブレードに隠れる分は数えない）、正面から %3° 傾く、%4 秒前。</translation>
+        <source>The best eye sees %1 % of the target (± %2), %3° off the straight view; %4 s ago.</source>
+        <translation>最良の目に標的の %1 % が見える（± %2）、正面から %3° 傾く、%4 秒前。</translation>
     </message>
     <message>
-        <source>The best eye sees %1 % of the target (± %2; not counted: what hooks and blades hide), %3° off the straight view.</source>
-        <translation>最良の目に標的の %1 % が見える（± %2、鉤とブレードに隠れる分は数えない）、正面から %3° 傾く。</translation>
+        <source>The best eye sees %1 % of the target (± %2), %3° off the straight view.</source>
+        <translation>最良の目に標的の %1 % が見える（± %2）、正面から %3° 傾く。</translation>
     </message>
     <message>
-        <source>The best eye sees %1 % of the target (± %2; not counted: what hooks and blades hide); %3 s ago.</source>
-        <translation>最良の目に標的の %1 % が見える（± %2、鉤とブレードに隠れる分は数えない）、%3 秒前。</translation>
+        <source>The best eye sees %1 % of the target (± %2); %3 s ago.</source>
+        <translation>最良の目に標的の %1 % が見える（± %2）、%3 秒前。</translation>
     </message>
     <message>
-        <source>The best eye sees %1 % of the target (± %2; not counted: what hooks and blades hide).</source>
-        <translation>最良の目に標的の %1 % が見える（± %2、鉤とブレードに隠れる分は数えない）。</translation>
+        <source>The best eye sees %1 % of the target (± %2).</source>
+        <translation>最良の目に標的の %1 % が見える（± %2）。</translation>
     </message>
     <message>
         <source>Here the tissue is under %1 tension, in the plan under %2 tension: the wound opens differently</source>

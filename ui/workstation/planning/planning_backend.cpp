@@ -354,10 +354,10 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case, const T
         input.setup.find_division
             = [patient](planner::Approach& by_hand) { planner::find_division(by_hand, *patient); };
         input.look = [patient, approach, view = std::make_shared<std::unique_ptr<const planner::LiveView>>()](
-                         const TriMesh& wall, const TriMesh& beyond, const Job& looking) {
+                         const TriMesh& wall, const TriMesh& around, const Job& looking) {
             if (*view == nullptr)
                 *view = std::make_unique<const planner::LiveView>(*patient, approach);
-            return (*view)->look(wall, beyond, looking);
+            return (*view)->look(wall, around, looking);
         };
         return input;
     };

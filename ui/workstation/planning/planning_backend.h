@@ -33,7 +33,7 @@ struct SurgeryInput {
     Scene surroundings; ///< drawn but not cut; with the camera of the overview
     /// What is seen of the target through the wall as it is, see planner::LiveView::look(). Not set: it is not
     /// measured.
-    std::function<planner::SeenNow(const TriMesh& wall, const TriMesh& beyond, const Job&)> look {};
+    std::function<planner::SeenNow(const TriMesh& wall, const TriMesh& around, const Job&)> look {};
 };
 
 /// What a search proposes.

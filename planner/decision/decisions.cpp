@@ -45,6 +45,19 @@ void set_note(Decisions& decisions, const std::string& step, const std::string& 
         decisions.notes.push_back({ .step = step, .text = text });
 }
 
+std::vector<std::size_t> compared_approaches(
+    const Case& planned_case, const std::vector<std::size_t>& planned, const Decisions& decisions)
+{
+    std::vector<std::size_t> compared;
+    for (const std::size_t index : planned)
+        if (std::ranges::count(decisions.compared, planned_case.approaches.at(index).name) > 0)
+            compared.push_back(index);
+    if (compared.size() < kLeastCompared)
+        compared = planned;
+    compared.resize(std::min(compared.size(), kMostCompared));
+    return compared;
+}
+
 void check_choice(const Choice& choice, const std::string& where)
 {
     if (is_blank(choice.approach))

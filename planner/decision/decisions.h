@@ -11,6 +11,7 @@
 #include "planner/case/case.h"
 
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -72,12 +73,21 @@ struct Decisions {
     std::vector<Answers> answers; ///< the oldest first
     std::vector<NamedView> views {}; ///< in the order in which they were kept
     std::vector<StepNote> notes {}; ///< one for each step at most
+    std::vector<std::string> compared {}; ///< approaches to see side by side; see compared_approaches()
 };
 
 /// The note of a step; empty: there is none.
 std::string note_of(const Decisions& decisions, const std::string& step);
 /// Sets the note of a step; an empty one is taken out.
 void set_note(Decisions& decisions, const std::string& step, const std::string& text);
+
+inline constexpr std::size_t kLeastCompared = 2, kMostCompared = 4;
+
+/// The planned approaches that stand side by side, by index: those that the team chose, at most kMostCompared. Where
+/// fewer than kLeastCompared of them are planned: the first ones.
+/// @param planned by index, in the order of the case
+std::vector<std::size_t> compared_approaches(
+    const Case& planned_case, const std::vector<std::size_t>& planned, const Decisions& decisions);
 
 /// The name of the folder of a case, without words of the identity that the case keeps.
 std::string folder_name(const Case& planned_case);

@@ -162,7 +162,7 @@ Decisions read_decisions(const std::filesystem::path& file)
     const std::string where = file.string() + "#";
     if (json.is_discarded())
         throw InputError("this is not JSON", file.string());
-    check_keys(json, where, { "schema", "choices", "answers" }, { "views", "notes" });
+    check_keys(json, where, { "schema", "choices", "answers" }, { "views", "notes", "compared" });
     if (json.at("schema") != kSchema)
         throw InputError("another schema of decisions than " + std::to_string(kSchema), where + "/schema");
     Decisions decisions;
@@ -178,6 +178,13 @@ Decisions read_decisions(const std::filesystem::path& file)
             const std::string place = where + "/notes/" + std::to_string(decisions.notes.size());
             check_keys(one, place, { "step", "text" });
             decisions.notes.push_back({ .step = text_in(one, place, "step"), .text = text_in(one, place, "text") });
+        }
+    if (json.contains("compared"))
+        for (const Json& name : list_in(json, where, "compared")) {
+            if (!name.is_string())
+                throw InputError(
+                    "a text is expected", where + "/compared/" + std::to_string(decisions.compared.size()));
+            decisions.compared.push_back(name.get<std::string>());
         }
     return decisions;
 }
@@ -201,6 +208,8 @@ void write_decisions(const std::filesystem::path& file, const Decisions& decisio
     }
     for (const StepNote& note : decisions.notes)
         json["notes"].push_back({ { "step", note.step }, { "text", note.text } });
+    if (!decisions.compared.empty())
+        json["compared"] = decisions.compared;
     write_file_atomically(file, json.dump(2) + "\n");
 }
 

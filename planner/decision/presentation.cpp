@@ -99,9 +99,9 @@ namespace {
                 steps.push_back({ PresentedView::kept, index, spoken_name(approach) + ": " + view.name, {}, view });
     }
 
-    /// @param planned index of the approach of each field
+    /// @param compared index of the approach of each field
     /// @return which approach shows most, where one leads beyond the error; and what is chosen
-    std::string comparison_text(const Case& planned_case, const std::vector<std::size_t>& planned,
+    std::string comparison_text(const Case& planned_case, const std::vector<std::size_t>& compared,
         const std::vector<FieldMetrics>& fields, const Decisions& decisions)
     {
         std::string text = "No approach leads in what is seen by more than the error.";
@@ -111,7 +111,7 @@ namespace {
             for (const ComparedMeasure& measure : compared_measures(fields))
                 if (std::string_view(measure.metric->key) == "seen_best_eye" && measure.leader)
                     text = "The target is seen best through "
-                        + spoken_name(planned_case.approaches.at(planned.at(*measure.leader))) + " ("
+                        + spoken_name(planned_case.approaches.at(compared.at(*measure.leader))) + " ("
                         + percent(fields.at(*measure.leader).seen_best_eye) + ").";
         if (decisions.choices.empty())
             return text + " Nothing is chosen yet.";
@@ -127,18 +127,22 @@ std::vector<PresentationStep> presentation_of(
     RETRACTOR_ASSERT(known.size() == planned_case.approaches.size());
     std::vector<PresentationStep> steps;
     std::vector<std::size_t> planned;
-    std::vector<FieldMetrics> fields;
     for (std::size_t index = 0; index < known.size(); ++index) {
         add_steps(steps, planned_case.approaches[index], index, known[index]);
         add_kept_views(steps, planned_case.approaches[index], index, known[index].field != nullptr, decisions);
-        if (known[index].field == nullptr)
-            continue;
-        planned.push_back(index);
-        fields.push_back(*known[index].field);
+        if (known[index].field != nullptr)
+            planned.push_back(index);
     }
-    if (fields.size() > 1)
-        steps.push_back({ PresentedView::comparison, std::nullopt, "Comparison",
-            comparison_text(planned_case, planned, fields, decisions) });
+    if (planned.size() >= kLeastCompared) {
+        const std::vector<std::size_t> compared = compared_approaches(planned_case, planned, decisions);
+        std::vector<FieldMetrics> fields;
+        for (const std::size_t index : compared)
+            fields.push_back(*known[index].field);
+        steps.push_back({ .view = PresentedView::comparison,
+            .title = "Comparison",
+            .text = comparison_text(planned_case, compared, fields, decisions),
+            .compared = compared });
+    }
     if (steps.empty())
         steps.push_back({ PresentedView::patient, std::nullopt, "The patient", "There is no approach yet." });
     return steps;

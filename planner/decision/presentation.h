@@ -23,7 +23,7 @@ enum class PresentedView {
     seen, ///< from the surgeon's eye
     reached, ///< the same view: what a finger and two instruments reach of the target
     kept, ///< from where the team kept a view
-    comparison, ///< what the surgeon's eye sees through all planned approaches, side by side
+    comparison, ///< what the surgeon's eye sees through planned approaches, side by side
 };
 
 struct PresentationStep {
@@ -32,6 +32,7 @@ struct PresentationStep {
     std::string title {}, text {}; ///< text: one to three sentences; of a kept view it may be empty
     std::optional<NamedView> kept {}; ///< of a kept view
 };
+    std::vector<std::size_t> compared {}; ///< of a comparison: indices in the case, see compared_approaches()
 
 /// What is known of an approach of the case.
 struct PresentedApproach {

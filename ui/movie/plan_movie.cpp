@@ -69,7 +69,7 @@ namespace {
 
         /// @return false: cancelled
         bool play(const planner::PresentationStep& step, const planner::Approach* approach,
-            const planner::PlannedField* field, const std::vector<const planner::PlannedField*>& all)
+            const planner::PlannedField* field, const std::vector<const planner::PlannedField*>& compared)
         {
             switch (step.view) {
             case planner::PresentedView::patient:
@@ -99,7 +99,7 @@ namespace {
             }
             case planner::PresentedView::comparison: {
                 std::vector<Scene> scenes;
-                for (const planner::PlannedField* each : all)
+                for (const planner::PlannedField* each : compared)
                     scenes.push_back(surgeon_scene(patient_, *each));
                 hold(step, std::move(scenes));
                 break;
@@ -272,15 +272,12 @@ bool play_plans(planner::Patient& patient, const MovieContent& content, const Mo
     const planner::Case& planned_case = content.planned_case;
     const std::vector<planner::PlannedField>& fields = content.fields;
     std::vector<planner::PresentedApproach> known;
-    std::vector<const planner::PlannedField*> planned;
     for (const planner::Approach& approach : planned_case.approaches) {
         const planner::PlannedField* field = field_of(fields, approach);
         known.push_back({ .field = field == nullptr ? nullptr : &field->metrics,
             .has_slices = patient.has_ct(),
             .divided_bones
             = field == nullptr ? std::vector<std::string>() : planner::divided_bones(*patient.labels(), approach) });
-        if (field != nullptr)
-            planned.push_back(field);
     }
     const std::vector<planner::PresentationStep> steps
         = planner::presentation_of(planned_case, known, decisions_of(planned_case));
@@ -288,7 +285,10 @@ bool play_plans(planner::Patient& patient, const MovieContent& content, const Mo
     player.expect(static_cast<int>(steps.size()));
     for (const planner::PresentationStep& step : steps) {
         const planner::Approach* approach = step.approach ? &planned_case.approaches.at(*step.approach) : nullptr;
-        if (!player.play(step, approach, approach == nullptr ? nullptr : field_of(fields, *approach), planned))
+        std::vector<const planner::PlannedField*> compared;
+        for (const std::size_t index : step.compared)
+            compared.push_back(field_of(fields, planned_case.approaches.at(index)));
+        if (!player.play(step, approach, approach == nullptr ? nullptr : field_of(fields, *approach), compared))
             return false;
     }
     return true;

@@ -122,8 +122,9 @@ void MainWindow::make_view_actions(QMenu& menu)
         menu, "Slices", Qt::Key_3, "Three planes of the CT and the overview", [this] { set_view(ViewPreset::slices); });
     incision_ = add_action(menu, "Incision", Qt::Key_4, "Slices along and across the incision, with the cut",
         [this] { set_view(ViewPreset::incision); });
-    compare_ = add_action(menu, "Compare", Qt::Key_5, "All planned approaches beside each other, with their numbers",
-        [this] { set_view(ViewPreset::compare); });
+    compare_
+        = add_action(menu, "Compare", Qt::Key_5, "Two to four planned approaches beside each other, with their numbers",
+            [this] { set_view(ViewPreset::compare); });
     auto* presets = new QActionGroup(this);
     for (QAction* action : { surgeon_, overview_, slices_, incision_, compare_ }) {
         action->setCheckable(true);

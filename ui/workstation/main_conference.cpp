@@ -343,6 +343,20 @@ void MainWindow::choose_approach()
 {
     if (!model_ || !model_->selected())
         return;
+/// The choice is shown at once, and kept with the case where this window may write.
+void MainWindow::compare(std::size_t index, bool is_compared)
+{
+    const auto names = model_->compared_with(index, is_compared);
+    if (!names)
+        return;
+    planner::Decisions shown = model_->decisions();
+    shown.compared = *names;
+    model_->set_decisions(std::move(shown));
+    show_all();
+    if (!only_looks())
+        change_decisions([names = *names](planner::Decisions& decisions) { decisions.compared = names; }, QString(""));
+}
+
     const std::size_t index = *model_->selected();
     const planner::Approach& approach = model_->approach(index);
     std::string plan;

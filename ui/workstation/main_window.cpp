@@ -186,6 +186,7 @@ void MainWindow::make_panes()
     list_ = new ApproachList;
     view_ = new PictureView;
     panel_ = new MetricsPanel;
+    panel_->on_compare = [this](std::size_t index, bool is_compared) { compare(index, is_compared); };
     view_->on_drawing_error = [this] { show_error({ view_->drawing_errors(), "drawing" }); };
     view_->on_slice_point = [this](const Vec3& point) { move_slices(point); };
     view_->on_space_click = [this](std::size_t scene, const planner::Ray& ray) { name_place(scene, ray); };

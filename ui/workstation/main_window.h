@@ -204,6 +204,7 @@ private:
     /// @param message afterwards; null: the means of the answers; empty: none
     void change_decisions(std::function<void(planner::Decisions&)> change, const QString& message);
     void read_decisions();
+    void compare(std::size_t index, bool is_compared);
     void enlarge(std::size_t scene);
     void set_label_look(LabelLook look);
     // main_look.cpp

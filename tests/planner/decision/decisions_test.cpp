@@ -156,6 +156,33 @@ namespace decisions_test {
         EXPECT_EQ(read.notes.size(), 1U);
     }
 
+    TEST(Decisions, TwoToFourPlannedApproachesAreCompared)
+    {
+        Case planned_case;
+        for (const char* name : { "a", "b", "c", "d", "e", "f" })
+            planned_case.approaches.emplace_back().name = name;
+        const auto compared = [&](std::vector<std::size_t> planned, std::vector<std::string> chosen) {
+            Decisions decisions;
+            decisions.compared = std::move(chosen);
+            return compared_approaches(planned_case, planned, decisions);
+        };
+        using Indices = std::vector<std::size_t>;
+        EXPECT_EQ(compared({ 0, 1, 2, 3, 5 }, {}), (Indices { 0, 1, 2, 3 }));
+        EXPECT_EQ(compared({ 0, 1, 2, 3, 5 }, { "f", "b" }), (Indices { 1, 5 })) << "in the order of the case";
+        EXPECT_EQ(compared({ 0, 1, 2 }, { "f", "b" }), (Indices { 0, 1, 2 })) << "f is not planned";
+        EXPECT_EQ(compared({ 0, 1, 2, 3, 4, 5 }, { "a", "b", "c", "d", "e" }), (Indices { 0, 1, 2, 3 }));
+        EXPECT_EQ(compared({ 4 }, {}), (Indices { 4 }));
+        const test_support::TemporaryFolder folder;
+        Decisions kept = some();
+        kept.compared = { "f", "b" };
+        write_decisions(folder / "case.decisions.json", kept);
+        EXPECT_EQ(read_decisions(folder / "case.decisions.json").compared, kept.compared);
+        EXPECT_NE(message_of([] {
+            (void)decisions_of(R"({"schema":1,"choices":[],"answers":[],"compared":["a",2]})");
+        }).find("/compared/1"),
+            std::string::npos);
+    }
+
     TEST(Decisions, AViewFromWhichNothingCanBeDrawnIsRefused)
     {
         const auto refused = [](auto change) {

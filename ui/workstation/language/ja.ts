@@ -168,8 +168,8 @@
         <translation>比較</translation>
     </message>
     <message>
-        <source>All planned approaches beside each other, with their numbers</source>
-        <translation>計画したアプローチを数値とともに並べる</translation>
+        <source>Two to four planned approaches beside each other, with their numbers</source>
+        <translation>計画した 2～4 のアプローチを数値とともに並べる</translation>
     </message>
     <message>
         <source>Mediastinum</source>

@@ -6,9 +6,11 @@
 #include "planner/approach/approach_draft.h"
 #include "planner/measures/comparison.h"
 #include "planner/measures/ranking.h"
+#include "ui/scene/scene_language.h"
 #include "ui/workstation/planning/comparison_chart.h"
 #include "ui/workstation/planning/metric_rows.h"
 
+#include <QCheckBox>
 #include <QGridLayout>
 #include <QLabel>
 #include <QScrollBar>
@@ -23,6 +25,7 @@ namespace retractor::ui {
 
 namespace {
 
+    constexpr std::size_t kLettersOfABox = 32; ///< in a line of the narrowest panel
     constexpr const char* kWarning = "color: #f0a35e; font-weight: bold;";
 
     QLabel* label(const std::string& text, const QString& style = {}, double points = 0.0, bool bold = false)
@@ -172,13 +175,42 @@ namespace {
         return text + ". Shift+W changes this.";
     }
 
-    /// The verdicts of the planned approaches, their scores, the chart that compares them, and what to think of first.
+    /// A box to tick for each planned approach, where there is a choice.
+    void add_choice(QVBoxLayout& column, const SessionModel& model, const MetricsPanel& panel)
+    {
+        const std::vector<std::size_t> planned = model.planned(), compared = model.compared();
+        if (planned.size() <= planner::kLeastCompared)
+            return;
+        column.addWidget(label("Side by side, two to four:", kFaint));
+        for (const std::size_t index : planned) {
+            const bool is_compared = std::find(compared.begin(), compared.end(), index) != compared.end();
+            QStringList lines; // a box breaks no lines
+            for (const std::string& line :
+                in_lines(translated(planner::spoken_name(model.approach(index))).toStdString(), kLettersOfABox))
+                lines += QString::fromStdString(line);
+            auto* box = new QCheckBox(lines.join("\n"));
+            box->setObjectName("compare-" + QString::fromStdString(model.approach(index).name));
+            box->setChecked(is_compared);
+            box->setEnabled(model.compared_with(index, !is_compared).has_value());
+            // Later: the panel makes its boxes anew.
+            QObject::connect(
+                box, &QCheckBox::clicked, &panel,
+                [&panel, index](bool checked) {
+                    if (panel.on_compare)
+                        panel.on_compare(index, checked);
+                },
+                Qt::QueuedConnection);
+            column.addWidget(box);
+        }
+    }
+
+    /// The verdicts of the compared approaches, their scores, the chart that compares them, and what to think of first.
     void add_comparison(QVBoxLayout& column, const SessionModel& model)
     {
         std::vector<planner::FieldMetrics> fields;
         std::vector<planner::Candidate> candidates;
-        const std::vector<std::size_t> planned = model.planned();
-        for (const std::size_t index : planned) {
+        const std::vector<std::size_t> compared = model.compared();
+        for (const std::size_t index : compared) {
             const FieldPictures& field = *model.state(index).field;
             fields.push_back(field.metrics);
             candidates.push_back({ .field = field.metrics, .divided_bones = field.divided_bones });
@@ -191,7 +223,7 @@ namespace {
             const LightLook look = light_look(verdict.light);
             column.addSpacing(6);
             column.addWidget(
-                label(planner::compared_letter(n) + "  " + planner::spoken_name(model.approach(planned[n])),
+                label(planner::compared_letter(n) + "  " + planner::spoken_name(model.approach(compared[n])),
                     QString("color: %1;").arg(compared_color(n).name()), 11.0, true));
             column.addWidget(
                 label(std::string("\u25cf  ") + look.word, QString("color: %1;").arg(look.color), 10.0, true));
@@ -242,6 +274,7 @@ void MetricsPanel::show_model(const SessionModel* model)
     column->setSpacing(4);
     if (model != nullptr && model->shown_view() == ViewPreset::compare) {
         column->addWidget(label("Comparison", "color: white;", 13.0, true));
+        add_choice(*column, *model, *this);
         add_comparison(*column, *model);
     } else if (model != nullptr && model->selected()) {
         const std::size_t index = *model->selected();

@@ -245,9 +245,28 @@ std::vector<std::size_t> SessionModel::planned() const
 }
 
 bool SessionModel::view_available(ViewPreset view) const
+std::vector<std::size_t> SessionModel::compared() const
+{
+    return planner::compared_approaches(case_, planned(), decisions_);
+}
+
+std::optional<std::vector<std::string>> SessionModel::compared_with(std::size_t index, bool is_compared) const
+{
+    std::vector<std::size_t> indices = compared();
+    std::erase(indices, index);
+    if (is_compared)
+        indices.push_back(index);
+    if (indices.size() < planner::kLeastCompared || indices.size() > planner::kMostCompared)
+        return std::nullopt;
+    std::vector<std::string> names;
+    for (const std::size_t one : indices)
+        names.push_back(approach(one).name);
+    return names;
+}
+
 {
     if (view == ViewPreset::compare)
-        return planned().size() >= 2;
+        return planned().size() >= planner::kLeastCompared;
     if (view == ViewPreset::surgeon)
         return selected_.has_value();
     const auto& closed = shown_state().closed;
@@ -411,7 +430,7 @@ ShownSource SessionModel::shown_source() const
     const bool opened = state.field != nullptr && (show_opened_ || state.closed == nullptr);
     if (shown_view() == ViewPreset::compare) {
         ShownSource source { .pictures = nullptr, .opened = true, .view = view_, .approach = std::nullopt };
-        for (const std::size_t index : planned())
+        for (const std::size_t index : compared())
             source.compared.push_back(this->state(index).field);
         source.pictures = source.compared.front();
         source.alone = alone_;
@@ -587,7 +606,7 @@ Scene SessionModel::mapped(const FieldPictures& field, const Scene& scene) const
 std::vector<Scene> SessionModel::compared_scenes() const
 {
     std::vector<Scene> scenes;
-    for (const std::size_t index : planned()) {
+    for (const std::size_t index : compared()) {
         const std::string letter = planner::compared_letter(scenes.size());
         const FieldPictures& field = *state(index).field;
         scenes.push_back(mapped(field, field.surgeon));

@@ -32,7 +32,7 @@ enum class ViewPreset {
     overview,
     slices,
     incision,
-    compare, ///< the surgeon's view of all planned approaches beside each other
+    compare, ///< the surgeon's view of planned approaches beside each other
 };
 
 /// How labels are drawn on slices.
@@ -174,6 +174,10 @@ public:
     /// The planned approaches, by index.
     std::vector<std::size_t> planned() const;
 
+    /// Those of them that stand side by side; see planner::compared_approaches().
+    std::vector<std::size_t> compared() const;
+    /// The names of the compared approaches when one comes or goes; nothing: there would be too few or too many.
+    std::optional<std::vector<std::string>> compared_with(std::size_t index, bool is_compared) const;
     /// One picture of several that fills the view, by its place among them; nothing: all. Another view shows all again.
     void set_alone(std::optional<std::size_t> alone) { alone_ = alone; }
     std::optional<std::size_t> alone() const { return alone_; }

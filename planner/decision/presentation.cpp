@@ -15,31 +15,36 @@ namespace {
 
     std::string percent(double share) { return formatted("%.0f %%", 100.0 * share); }
 
-    std::string cut_text(const Approach& approach)
+    std::string incision_text(const Approach& approach)
     {
         return formatted("The incision is %.0f mm long. The target: ", incision_length(approach))
             + readable(target_name(approach.target)) + ".";
     }
 
-    std::string depth_text(const Approach& approach, const PresentedApproach& known)
+    std::string depth_text(const Approach& approach)
+    {
+        return formatted("The blade goes %.0f mm deep.", approach.depth_mm);
+    }
+
+    std::string cut_text(const Approach& approach, const PresentedApproach& known)
     {
         const FieldMetrics* field = known.field;
-        std::string depth = formatted("The blade goes %.0f mm deep.", approach.depth_mm);
+        std::string text = "The red sheet is the cut.";
         if (!known.divided_bones.empty()) {
             std::vector<std::string> bones;
             for (const std::string& bone : known.divided_bones)
                 bones.push_back(readable(bone));
-            depth += " Sawn through: " + joined(bones) + ".";
+            text += " Sawn through: " + joined(bones) + ".";
         }
         if (field != nullptr && field->division) { // what was done
             const std::string done = field->division->words;
-            return done.empty() ? depth : depth + " Division: " + done + ".";
+            return done.empty() ? text : text + " Division: " + done + ".";
         }
         if (approach.division.extent == DivisionExtent::full)
-            return depth + " Intercostal muscle and pleura are to be divided beyond the skin.";
+            return text + " Intercostal muscle and pleura are to be divided beyond the skin.";
         if (divides_sternum(approach.division.extent))
-            return depth + " The sternum is to be sawn across under the skin.";
-        return depth;
+            return text + " The sternum is to be sawn across under the skin.";
+        return text;
     }
 
     std::string opened_text(const FieldMetrics& field)
@@ -78,10 +83,10 @@ namespace {
         const PresentedApproach& known)
     {
         const std::string name = spoken_name(approach);
-        steps.push_back({ PresentedView::incision, index, name, cut_text(approach) });
+        steps.push_back({ PresentedView::incision, index, name, incision_text(approach) });
         if (known.has_slices)
-            steps.push_back(
-                { PresentedView::blade, index, name + ": what the blade passes", depth_text(approach, known) });
+            steps.push_back({ PresentedView::blade, index, name + ": what the blade passes", depth_text(approach) });
+        steps.push_back({ PresentedView::cut, index, name + ": what is cut", cut_text(approach, known) });
         if (known.field == nullptr)
             return;
         steps.push_back({ PresentedView::opened, index, name + ": opened", opened_text(*known.field) });

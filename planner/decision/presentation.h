@@ -1,7 +1,7 @@
 #pragma once
-// The plans of a case step by step, for the team's case conference: for each approach where it cuts, what the blade
-// passes, how the wound opens, what the surgeon sees and what she reaches; at the end all planned approaches beside
-// each other. The window shows the steps one by one, a movie plays them.
+// The plans of a case step by step, for the team's case conference: for each approach where it cuts, the layers that
+// the blade passes, what is cut, how the wound opens, what the surgeon sees and what she reaches; at the end the
+// planned approaches beside each other. The window shows the steps one by one, a movie plays them.
 
 #include "planner/case/case.h"
 #include "planner/decision/decisions.h"
@@ -19,6 +19,7 @@ enum class PresentedView {
     patient, ///< there is no approach
     incision, ///< on the skin, before the cut
     blade, ///< slices along and across the incision, with the blade
+    cut, ///< the cut as a sheet, through a see-through wall
     opened, ///< the opened patient from outside
     seen, ///< from the surgeon's eye
     reached, ///< the same view: what a finger and two instruments reach of the target
@@ -31,8 +32,8 @@ struct PresentationStep {
     std::optional<std::size_t> approach {}; ///< index in the case; nothing: the patient alone, or all approaches
     std::string title {}, text {}; ///< text: one to three sentences; of a kept view it may be empty
     std::optional<NamedView> kept {}; ///< of a kept view
-};
     std::vector<std::size_t> compared {}; ///< of a comparison: indices in the case, see compared_approaches()
+};
 
 /// What is known of an approach of the case.
 struct PresentedApproach {

@@ -77,6 +77,20 @@ namespace {
         return scene;
     }
 
+    /// The blade's way under the front of the box.
+    std::shared_ptr<const TriMesh> cut_under(const planner::Approach& approach)
+    {
+        auto mesh = std::make_shared<TriMesh>();
+        mesh->vertices.resize(4, 3);
+        for (int n = 0; n < 2; ++n) {
+            const Vec3 point = n == 0 ? approach.incision.front() : approach.incision.back();
+            mesh->vertices.row(2 * n) = point.transpose();
+            mesh->vertices.row(2 * n + 1) = (point + approach.depth_mm * approach.directions.front()).transpose();
+        }
+        mesh->triangles = { { 0, 1, 2 }, { 2, 1, 3 } };
+        return mesh;
+    }
+
     /// The front of the box under a ray.
     std::optional<Vec3> front_under(const Vec3& from, const Vec3& direction)
     {
@@ -202,6 +216,7 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
         return ui::ClosedPictures { .patient = patient_scene(approach, false),
             .slices = slices(),
             .incision_slices = control->incision_slices ? incision_slices(approach) : std::vector<ui::Scene> {},
+            .cut = ui::SurfaceItem { .name = "planned cut", .mesh = cut_under(approach) },
             .label_names = {},
             .skin_under = front_under };
     };

@@ -11,6 +11,7 @@
 #include "ui/movie/video_file.h"
 #include "ui/plan_scene/field_map.h"
 #include "ui/plan_scene/plan_scene.h"
+#include "ui/plan_scene/planned_cut.h"
 #include "ui/scene/arrange_scenes.h"
 #include "ui/scene/camera_motion.h"
 #include "ui/scene/scene_language.h"
@@ -80,6 +81,9 @@ namespace {
                 break;
             case planner::PresentedView::blade:
                 hold(step, incision_slice_scenes(patient_, *approach));
+                break;
+            case planner::PresentedView::cut:
+                hold(step, { planned_cut_scene(patient_, *approach) });
                 break;
             case planner::PresentedView::opened:
                 open(step, *field);

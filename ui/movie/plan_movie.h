@@ -1,8 +1,8 @@
 #pragma once
-// Plays the plans of a case as a movie: the patient with the incision, what the blade passes, the wound as it is pulled
-// open, the flight to the surgeon's eye, what is seen from there and what is reached; at the end all planned approaches
-// side by side. The steps and their words are those of the conference (planner/decision/presentation.h). The same plans
-// give the same pictures, in the window and on the command line.
+// Plays the plans of a case as a movie: the patient with the incision, what the blade passes, what is cut, the wound as
+// it is pulled open, the flight to the surgeon's eye, what is seen from there and what is reached; at the end planned
+// approaches side by side. The steps and their words are those of the conference (planner/decision/presentation.h). The
+// same plans give the same pictures, in the window and on the command line.
 
 #include "mesh/base/job.h"
 #include "planner/case/patient.h"

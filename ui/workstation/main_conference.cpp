@@ -4,6 +4,7 @@
 #include "planner/measures/provenance.h"
 #include "planner/measures/verdict.h"
 #include "ui/plan_scene/plan_scene.h"
+#include "ui/plan_scene/planned_cut.h"
 #include "ui/workstation/conference/decision_dialogs.h"
 #include "ui/workstation/conference/notes_window.h"
 #include "ui/workstation/language/language.h"
@@ -57,6 +58,7 @@ namespace {
             return ViewPreset::compare;
         case planner::PresentedView::patient:
         case planner::PresentedView::incision:
+        case planner::PresentedView::cut:
         case planner::PresentedView::opened:
         case planner::PresentedView::kept:
             break;
@@ -71,6 +73,12 @@ namespace {
             return step.kept->opened;
         return view == planner::PresentedView::opened || view == planner::PresentedView::seen
             || view == planner::PresentedView::reached || view == planner::PresentedView::comparison;
+    }
+
+    /// Whether the picture of a step is seen from another place than outside the conference.
+    bool has_own_camera(const planner::PresentationStep& step)
+    {
+        return step.kept || step.view == planner::PresentedView::cut;
     }
 
 } // namespace
@@ -151,12 +159,14 @@ void MainWindow::set_conference(bool on)
         steps_ = steps_now();
         step_ = 0;
         map_before_conference_ = model_->map();
+        wall_before_conference_ = model_->wall_look();
         was_maximized_ = isMaximized();
         showFullScreen();
         view_->setCursor(pointer());
     } else {
         notes_->close();
         model_->set_map(map_before_conference_);
+        show_wall_as(wall_before_conference_);
         steps_.clear();
         was_maximized_ ? showMaximized() : showNormal();
         view_->unsetCursor();
@@ -188,6 +198,22 @@ std::optional<FieldMapKind> MainWindow::map_of_step(const planner::PresentationS
     return step.view == planner::PresentedView::reached ? FieldMapKind::reach : map_before_conference_;
 }
 
+/// What is cut is seen through the wall; the other steps keep the look that was chosen before.
+WallLook MainWindow::wall_of_step(const planner::PresentationStep& step) const
+{
+    return step.view == planner::PresentedView::cut ? WallLook::see_through : wall_before_conference_;
+}
+
+/// Another look of the wall is another picture.
+void MainWindow::show_wall_as(WallLook look)
+{
+    if (look == model_->wall_look())
+        return;
+    model_->set_wall_look(look);
+    make_anatomy();
+    shown_ = {};
+}
+
 void MainWindow::renew_steps()
 {
     if (!in_conference() || !model_)
@@ -199,6 +225,7 @@ void MainWindow::renew_steps()
     });
     step_ = same == steps_.end() ? 0 : static_cast<std::size_t>(same - steps_.begin());
     model_->set_map(map_of_step(steps_[step_]));
+    show_wall_as(wall_of_step(steps_[step_]));
     conference_bar_->show_step(steps_[step_], step_ + 1, steps_.size());
     show_step_in_notes();
 }
@@ -215,7 +242,8 @@ void MainWindow::go_to_step(std::size_t number)
         return;
     const planner::PresentationStep& step = steps_[number];
     model_->set_map(map_of_step(step));
-    if (steps_[step_].kept && !step.kept)
+    show_wall_as(wall_of_step(step));
+    if (has_own_camera(steps_[step_]) && !has_own_camera(step))
         shown_ = {}; // the same picture is shown from where it was seen first
     step_ = number;
     if (step.approach && model_->selected() != step.approach)
@@ -233,8 +261,13 @@ void MainWindow::go_to_step(std::size_t number)
 
 void MainWindow::show_kept_view()
 {
-    if (in_conference() && steps_[step_].kept && shown_.pictures != nullptr && view_->is_drawn())
-        view_->set_camera(camera_of(*steps_[step_].kept));
+    if (!in_conference() || shown_.pictures == nullptr || !view_->is_drawn())
+        return;
+    const planner::PresentationStep& step = steps_[step_];
+    if (step.kept)
+        view_->set_camera(camera_of(*step.kept));
+    else if (step.view == planner::PresentedView::cut)
+        view_->set_camera(planned_cut_camera(view_->scenes().front().camera, model_->approach(*step.approach)));
 }
 
 void MainWindow::keep_view()
@@ -310,6 +343,20 @@ void MainWindow::read_decisions()
     }
 }
 
+/// The choice is shown at once, and kept with the case where this window may write.
+void MainWindow::compare(std::size_t index, bool is_compared)
+{
+    const auto names = model_->compared_with(index, is_compared);
+    if (!names)
+        return;
+    planner::Decisions shown = model_->decisions();
+    shown.compared = *names;
+    model_->set_decisions(std::move(shown));
+    show_all();
+    if (!only_looks())
+        change_decisions([names = *names](planner::Decisions& decisions) { decisions.compared = names; }, QString(""));
+}
+
 void MainWindow::change_decisions(std::function<void(planner::Decisions&)> change, const QString& message)
 {
     ++saving_;
@@ -343,20 +390,6 @@ void MainWindow::choose_approach()
 {
     if (!model_ || !model_->selected())
         return;
-/// The choice is shown at once, and kept with the case where this window may write.
-void MainWindow::compare(std::size_t index, bool is_compared)
-{
-    const auto names = model_->compared_with(index, is_compared);
-    if (!names)
-        return;
-    planner::Decisions shown = model_->decisions();
-    shown.compared = *names;
-    model_->set_decisions(std::move(shown));
-    show_all();
-    if (!only_looks())
-        change_decisions([names = *names](planner::Decisions& decisions) { decisions.compared = names; }, QString(""));
-}
-
     const std::size_t index = *model_->selected();
     const planner::Approach& approach = model_->approach(index);
     std::string plan;

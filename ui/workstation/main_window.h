@@ -222,6 +222,8 @@ private:
 
     void set_map(std::optional<FieldMapKind> map);
     std::optional<FieldMapKind> map_of_step(const planner::PresentationStep& step) const;
+    WallLook wall_of_step(const planner::PresentationStep& step) const;
+    void show_wall_as(WallLook look);
     void open_manual();
     bool labels_tab_open() const;
     /// Gives the mouse to the brush on the slices.
@@ -336,6 +338,7 @@ private:
     QWidget* approach_pane_ = nullptr;
     QToolBar* tool_bar_ = nullptr;
     std::optional<FieldMapKind> map_before_conference_ {}; ///< shown again behind the conference
+    WallLook wall_before_conference_ = WallLook::solid; ///< as map_before_conference_
     StepBar* conference_bar_ = nullptr;
     std::vector<planner::PresentationStep> steps_; ///< of the conference; empty: there is none
     std::size_t step_ = 0;

@@ -53,19 +53,21 @@ namespace presentation_test {
                 { .field = &lateral, .has_slices = false } },
             {});
         EXPECT_EQ(views_of(steps),
-            (std::vector { PresentedView::incision, PresentedView::blade, PresentedView::opened, PresentedView::seen,
-                PresentedView::reached, PresentedView::incision, PresentedView::opened, PresentedView::seen,
-                PresentedView::reached, PresentedView::comparison }));
+            (std::vector { PresentedView::incision, PresentedView::blade, PresentedView::cut, PresentedView::opened,
+                PresentedView::seen, PresentedView::reached, PresentedView::incision, PresentedView::cut,
+                PresentedView::opened, PresentedView::seen, PresentedView::reached, PresentedView::comparison }));
         for (const PresentationStep& step : steps)
             EXPECT_FALSE(step.text.empty()) << step.title;
         EXPECT_EQ(steps[0].text, "The incision is 100 mm long. The target: aneurysm.");
-        EXPECT_NE(steps[3].text.find("60 %"), std::string::npos) << steps[3].text;
-        EXPECT_EQ(steps[1].text, "The blade goes 30 mm deep. Sawn through: sternum.");
+        EXPECT_NE(steps[4].text.find("60 %"), std::string::npos) << steps[4].text;
+        EXPECT_EQ(steps[1].text, "The blade goes 30 mm deep.");
+        EXPECT_EQ(steps[2].text, "The red sheet is the cut. Sawn through: sternum.");
         EXPECT_EQ(steps[0].approach, 0U);
-        EXPECT_EQ(steps[4].text,
+        EXPECT_EQ(steps[5].text,
             "Two instruments reach 40 % of what an eye could see of the aneurysm. A finger ends 12 mm "
             "before the aneurysm.");
-        EXPECT_EQ(steps[5].approach, 1U);
+        EXPECT_EQ(steps[6].approach, 1U);
+        EXPECT_EQ(steps.back().compared, (std::vector<std::size_t> { 0, 1 }));
         EXPECT_NE(steps.back().text.find("Nothing is chosen yet."), std::string::npos);
     }
 
@@ -73,9 +75,24 @@ namespace presentation_test {
     {
         const FieldMetrics median = field_of("median", 0.6);
         EXPECT_EQ(views_of(presentation_of(two_approaches(), { { .field = &median }, {} }, {})),
-            (std::vector { PresentedView::incision, PresentedView::opened, PresentedView::seen, PresentedView::reached,
-                PresentedView::incision }));
+            (std::vector { PresentedView::incision, PresentedView::cut, PresentedView::opened, PresentedView::seen,
+                PresentedView::reached, PresentedView::incision, PresentedView::cut }));
         EXPECT_EQ(views_of(presentation_of({}, {}, {})), (std::vector { PresentedView::patient }));
+    }
+
+    TEST(Presentation, WhatIsComparedIsTheTeamsChoice)
+    {
+        Case planned_case = two_approaches();
+        planned_case.approaches.push_back(planned_case.approaches.front());
+        planned_case.approaches.back().name = "midcab";
+        const FieldMetrics median = field_of("median", 0.6), lateral = field_of("lateral", 0.1),
+                           midcab = field_of("midcab", 0.3);
+        Decisions decisions;
+        decisions.compared = { "midcab", "lateral" };
+        const auto steps = presentation_of(
+            planned_case, { { .field = &median }, { .field = &lateral }, { .field = &midcab } }, decisions);
+        EXPECT_EQ(steps.back().compared, (std::vector<std::size_t> { 1, 2 }));
+        EXPECT_EQ(steps.back().text.find("median"), std::string::npos) << "it is not shown: " << steps.back().text;
     }
 
     TEST(Presentation, NamedViewsFollowTheirApproach)
@@ -88,10 +105,11 @@ namespace presentation_test {
         const auto steps = presentation_of(two_approaches(), { { .field = &median }, {} }, decisions);
         // "open" of the lateral approach waits for its plan.
         ASSERT_EQ(views_of(steps),
-            (std::vector { PresentedView::incision, PresentedView::opened, PresentedView::seen, PresentedView::reached,
-                PresentedView::kept, PresentedView::incision, PresentedView::kept }));
-        EXPECT_EQ(steps[4].kept->name, "close");
-        EXPECT_NE(steps[6].title.find("before"), std::string::npos);
+            (std::vector { PresentedView::incision, PresentedView::cut, PresentedView::opened, PresentedView::seen,
+                PresentedView::reached, PresentedView::kept, PresentedView::incision, PresentedView::cut,
+                PresentedView::kept }));
+        EXPECT_EQ(steps[5].kept->name, "close");
+        EXPECT_NE(steps[8].title.find("before"), std::string::npos);
     }
 
 } // namespace presentation_test

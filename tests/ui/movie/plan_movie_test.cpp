@@ -79,21 +79,22 @@ namespace plan_movie_test {
         ASSERT_EQ(content->fields.front().status, planner::PlanStatus::done);
         const Played played = play(*content);
         EXPECT_TRUE(played.whole);
-        // The block has no CT, so no slices: 5 pictures turn it, 6 poses open it (the last is held), 10 fly, 1 is held;
-        // one more shows what is reached.
-        ASSERT_EQ(played.pictures.size(), 5U + 6U + 10U + 1U + 1U);
+        // The block has no CT, so no slices: 5 pictures turn it, one shows what is cut, 6 poses open it (the last is
+        // held), 10 fly, 1 is held; one more shows what is reached.
+        ASSERT_EQ(played.pictures.size(), 5U + 1U + 6U + 10U + 1U + 1U);
         int frames = 0;
         for (const int n : played.frames)
             frames += n;
-        EXPECT_EQ(frames, 5 + 5 * 2 + 5 + 10 + 5 + 5);
+        EXPECT_EQ(frames, 5 + 5 + 5 * 2 + 5 + 10 + 5 + 5);
         const auto difference = [&](std::size_t a, std::size_t b) {
             return test_support::mean_difference(played.pictures.at(a), played.pictures.at(b));
         };
         EXPECT_GT(difference(0, 1), 0.1) << "the patient turns";
-        EXPECT_GT(difference(5, 10), 0.5) << "the wound opens";
-        EXPECT_LT(difference(5, 6), difference(5, 10)) << "bit by bit";
-        EXPECT_GT(difference(11, 20), 1.0) << "the eye comes near";
-        EXPECT_GT(difference(21, 22), 0.1) << "the target takes the colours of its reach";
+        EXPECT_GT(difference(0, 5), 0.5) << "the skin is looked through";
+        EXPECT_GT(difference(6, 11), 0.5) << "the wound opens";
+        EXPECT_LT(difference(6, 7), difference(6, 11)) << "bit by bit";
+        EXPECT_GT(difference(12, 21), 1.0) << "the eye comes near";
+        EXPECT_GT(difference(22, 23), 0.1) << "the target takes the colours of its reach";
     }
 
     TEST_F(PlanMovie, TheSamePlansGiveTheSamePictures)
@@ -108,7 +109,7 @@ namespace plan_movie_test {
     {
         MovieContent unplanned = *content;
         unplanned.fields.clear();
-        EXPECT_EQ(play(unplanned).pictures.size(), 5U);
+        EXPECT_EQ(play(unplanned).pictures.size(), 5U + 1U);
         unplanned.planned_case.approaches.clear();
         EXPECT_EQ(play(unplanned).pictures.size(), 1U) << "the patient alone";
     }
@@ -120,13 +121,13 @@ namespace plan_movie_test {
         closed.fields.clear();
         const auto frames = folder.path / "frames";
         std::filesystem::create_directories(frames);
-        std::ofstream(frames / "00007.png") << "of a longer movie";
+        std::ofstream(frames / "00012.png") << "of a longer movie";
         ASSERT_TRUE(
             write_movie(folder.path / "movie.webm", frames, *patient, closed, kSmall, make_offscreen_context()));
-        EXPECT_EQ(test_support::read_video(folder.path / "movie.webm").frames.size(), 5U);
-        for (const char* name : { "00001.png", "00005.png" })
+        EXPECT_EQ(test_support::read_video(folder.path / "movie.webm").frames.size(), 10U);
+        for (const char* name : { "00001.png", "00010.png" })
             EXPECT_TRUE(std::filesystem::exists(frames / name)) << name;
-        for (const char* name : { "00006.png", "00007.png" })
+        for (const char* name : { "00011.png", "00012.png" })
             EXPECT_FALSE(std::filesystem::exists(frames / name)) << name;
         std::ofstream(frames / "notes.txt") << "of the user";
         EXPECT_THROW(

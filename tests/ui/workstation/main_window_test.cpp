@@ -2,6 +2,7 @@
 
 #include "tests/support/synthetic_patient.h"
 #include "tests/support/window_help.h"
+#include "tests/support/window_pictures.h"
 
 #include "datasets/io/volume_io.h"
 #include "datasets/phantoms/elastic_model.h"
@@ -54,34 +55,9 @@ namespace main_window_test {
 
     namespace fs = std::filesystem;
 
-    // A shaded, anti-aliased picture has hundreds of colours, a blank one a gradient of a few dozen.
-    constexpr std::size_t kColoursOfAPicture = 300;
-
-    std::size_t distinct_colours(const QImage& image)
-    {
-        std::set<QRgb> colours;
-        for (int y = 0; y < image.height(); ++y)
-            for (int x = 0; x < image.width(); ++x)
-                colours.insert(image.pixel(x, y));
-        return colours.size();
-    }
-
-    /// Pixels of the target's hue, whatever the light: no tissue is green.
-    int target_pixels(const QImage& image)
-    {
-        const Color wanted = target_color();
-        const int hue = QColor::fromRgbF(wanted.r, wanted.g, wanted.b).hsvHue();
-        constexpr int kHueTolerance = 15, kLeastSaturation = 120, kLeastValue = 60;
-        int count = 0;
-        for (int y = 0; y < image.height(); ++y)
-            for (int x = 0; x < image.width(); ++x) {
-                const QColor colour = image.pixelColor(x, y);
-                if (std::abs(colour.hsvHue() - hue) <= kHueTolerance && colour.hsvSaturation() >= kLeastSaturation
-                    && colour.value() >= kLeastValue)
-                    ++count;
-            }
-        return count;
-    }
+    using test_support::distinct_colours;
+    using test_support::kColoursOfAPicture;
+    using test_support::target_pixels;
 
     fs::path picture_folder()
     {
@@ -826,12 +802,13 @@ namespace main_window_test {
     {
         open_synthetic();
         const std::vector<MotionFigures> figures = measure_window(window_, true, 0.3);
-        ASSERT_EQ(figures.size(), 16U);
+        ASSERT_EQ(figures.size(), 22U);
         EXPECT_EQ(figures[4].picture, "closed, slices");
         EXPECT_EQ(figures[9].picture, "opened, overview");
-        EXPECT_EQ(figures[10].picture, "conference, median: opened");
-        EXPECT_EQ(figures[13].picture, "conference, median: what the surgeon sees");
-        EXPECT_EQ(figures[15].picture, "conference, median: what the surgeon reaches");
+        EXPECT_EQ(figures[10].picture, "conference, median: what is cut");
+        EXPECT_EQ(figures[12].picture, "conference, median: opened");
+        EXPECT_EQ(figures[15].picture, "conference, median: what the surgeon sees");
+        EXPECT_EQ(figures[17].picture, "conference, median: what the surgeon reaches");
         EXPECT_FALSE(window_.in_conference());
         for (const MotionFigures& f : figures) {
             EXPECT_GT(f.events, 0) << f.picture;
@@ -880,57 +857,6 @@ namespace main_window_test {
         EXPECT_EQ(three[1].right, 1.0);
         EXPECT_EQ(three[2].left, 0.0);
         EXPECT_EQ(three[2].right, 1.0) << "nothing stays empty";
-    }
-
-    /// The whole way: a phantom's files, a case, the planner, the window.
-    TEST(Workstation, PlansABlockPhantom)
-    {
-        const fs::path folder = picture_folder() / "block_case";
-        fs::remove_all(folder);
-        fs::create_directories(folder);
-        const datasets::Phantom phantom = datasets::make_block_phantom({});
-        datasets::write_volume(folder / "ct.nrrd", phantom.ct);
-        datasets::write_label_volume(folder / "labels.nrrd", phantom.labels);
-        planner::Case planned_case;
-        planned_case.folder = folder;
-        planned_case.label_table = phantom.labels.table;
-        planned_case.supports.labels.clear(); // no spine: the border of the meshed region holds
-        planned_case.ct = planner::make_reference(folder, folder / "ct.nrrd");
-        planned_case.labels = planner::make_reference(folder, folder / "labels.nrrd");
-        planner::ApproachRequest request;
-        request.name = "straight";
-        request.target.label = "target";
-        request.sizing.corridor_edge_mm = 5.0;
-        const std::vector<Vec3> points { { 0.0, 0.0, 30.0 }, { 0.0, 0.0, -30.0 } };
-        planner::Approach approach = planner::approach_from_points(phantom.labels, points, request).approach;
-        approach.hooks = make_hooks(approach, "2", 30.0);
-        approach.retracted = { "cavity" };
-        planner::add_approach(planned_case, approach);
-        planner::write_case(planned_case);
-
-        MainWindow window([](const planner::Case& one) { return make_planning_backend(one); });
-        std::optional<ShownWound> wound;
-        window.on_palpable_wound = [&](ShownWound made) { wound = std::move(made); };
-        test_support::show_window(window);
-        window.open_file(folder / "case.json");
-        test_support::wait_until_idle(window);
-        ASSERT_EQ(window.approach_list().count(), 1) << window.error_line();
-        QTest::keyClick(&window, Qt::Key_P);
-        test_support::wait_until_idle(window);
-        window.save_screenshot(picture_folder() / "workstation_block.png");
-        ASSERT_EQ(window.model()->state(0).status, FieldStatus::planned) << window.error_line();
-        EXPECT_EQ(window.error_line(), "");
-        EXPECT_EQ(window.view().drawing_errors(), "");
-        EXPECT_GT(window.model()->state(0).field->metrics.visible_fraction, 0.0);
-        const QImage picture = window.view().picture();
-        EXPECT_GT(distinct_colours(picture), kColoursOfAPicture);
-        EXPECT_GT(target_pixels(picture), 0);
-        QTest::keyClick(&window, Qt::Key_T, Qt::ControlModifier);
-        test_support::wait_until_idle(window);
-        ASSERT_TRUE(wound) << window.error_line();
-        EXPECT_EQ(wound->ways.size(), 2U);
-        const std::vector<std::string>& names = wound->ways.front().access->around().names();
-        EXPECT_NE(std::ranges::find(names, "skin"), names.end()) << "the wall is round it";
     }
 
 } // namespace main_window_test

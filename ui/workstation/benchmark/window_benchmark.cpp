@@ -284,7 +284,7 @@ std::vector<MotionFigures> measure_window(MainWindow& window, bool plan, double 
     steps.on_step(1 - static_cast<int>(steps.number())); // from the first step on
     for (const std::size_t count = steps.count();; steps.on_step(1)) {
         settle(window, view);
-        if (window.model()->show_opened())
+        if (window.model()->show_opened() || window.model()->wall_look() == WallLook::see_through)
             append(figures, measure_motions(view, "conference, " + steps.title().toStdString(), motion));
         if (steps.number() == count)
             break;

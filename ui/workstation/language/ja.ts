@@ -4036,6 +4036,22 @@
         <translation>%1：刃の通り道</translation>
     </message>
     <message>
+        <source>%1: what is cut</source>
+        <translation>%1：切離する部分</translation>
+    </message>
+    <message>
+        <source>The red sheet is the cut.</source>
+        <translation>赤い面が切離面です。</translation>
+    </message>
+    <message>
+        <source>Side by side, two to four:</source>
+        <translation>並べて比較（2～4）：</translation>
+    </message>
+    <message>
+        <source>planned cut</source>
+        <translation>切離面</translation>
+    </message>
+    <message>
         <source>%1: opened</source>
         <translation>%1：開創</translation>
     </message>

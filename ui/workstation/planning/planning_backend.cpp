@@ -25,6 +25,7 @@
 #include "planner/wall/wall_cut.h"
 #include "ui/movie/plan_movie.h"
 #include "ui/plan_scene/field_map.h"
+#include "ui/plan_scene/planned_cut.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/plan_scene/search_map.h"
 #include "ui/results/field_files.h"
@@ -322,6 +323,7 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case, const T
             pictures.slices = slice_scenes(*patient, approach);
             pictures.incision_slices = incision_slice_scenes(*patient, approach);
         }
+        pictures.cut = planned_cut(*patient, approach);
         complete(pictures, *patient, *pointer);
         return pictures;
     };

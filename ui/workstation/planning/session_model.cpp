@@ -6,6 +6,7 @@
 #include "planner/approach/approach_draft.h"
 #include "planner/measures/comparison.h"
 #include "ui/plan_scene/plan_scene.h"
+#include "ui/plan_scene/planned_cut.h"
 #include "ui/scene/label_colors.h"
 #include "ui/scene/linked_slices.h"
 
@@ -244,7 +245,6 @@ std::vector<std::size_t> SessionModel::planned() const
     return indices;
 }
 
-bool SessionModel::view_available(ViewPreset view) const
 std::vector<std::size_t> SessionModel::compared() const
 {
     return planner::compared_approaches(case_, planned(), decisions_);
@@ -264,6 +264,7 @@ std::optional<std::vector<std::string>> SessionModel::compared_with(std::size_t 
     return names;
 }
 
+bool SessionModel::view_available(ViewPreset view) const
 {
     if (view == ViewPreset::compare)
         return planned().size() >= planner::kLeastCompared;
@@ -566,7 +567,7 @@ bool SessionModel::lies_as_in_ct(const Picked& picked) const
 
 Scene SessionModel::looked_into(Scene scene) const
 {
-    constexpr double kSeenThrough = 0.2, kMarkMm = 10.0;
+    constexpr double kMarkMm = 10.0;
     const auto is_wall = [](const SurfaceItem& item) {
         return item.name == kBodyName || item.name == kWallName || item.name == kBeyondName;
     };
@@ -575,7 +576,7 @@ Scene SessionModel::looked_into(Scene scene) const
     if (wall_look_ == WallLook::see_through)
         for (SurfaceItem& item : scene.surfaces)
             if (is_wall(item))
-                item.opacity = kSeenThrough;
+                item.opacity = kSeeThroughOpacity;
     scene.cut_away = cut_away();
     const bool inside = wall_look_ != WallLook::solid || scene.cut_away;
     if (inside && anatomy_ != nullptr && !opened_shown())
@@ -583,6 +584,8 @@ Scene SessionModel::looked_into(Scene scene) const
             if (std::none_of(scene.surfaces.begin(), scene.surfaces.end(),
                     [&](const SurfaceItem& item) { return item.name == organ.name; }))
                 scene.surfaces.push_back(organ);
+    if (const auto& closed = shown_state().closed; inside && !opened_shown() && closed != nullptr && closed->cut)
+        scene.surfaces.push_back(*closed->cut);
     if (const auto& place = shown_state().slice_point; place && is_drawn_on(shown_view())) // slices show it themselves
         for (const LineItem& line : mark_at(*place, kMarkMm))
             scene.lines.push_back(line);

@@ -67,6 +67,7 @@ struct ClosedPictures {
     Scene patient; ///< with the incision
     std::vector<Scene> slices {}; ///< axial, coronal and sagittal; empty without a CT
     std::vector<Scene> incision_slices {}; ///< along and across the incision; empty without a CT or an incision
+    std::optional<SurfaceItem> cut {}; ///< seen through the wall; nothing without an incision
     std::map<Label, std::string> label_names {};
     /// The place of the skin that a ray from outside the body meets first, if any. Arguments: start and unit direction.
     std::function<std::optional<Vec3>(const Vec3&, const Vec3&)> skin_under {};
@@ -173,11 +174,11 @@ public:
 
     /// The planned approaches, by index.
     std::vector<std::size_t> planned() const;
-
     /// Those of them that stand side by side; see planner::compared_approaches().
     std::vector<std::size_t> compared() const;
     /// The names of the compared approaches when one comes or goes; nothing: there would be too few or too many.
     std::optional<std::vector<std::string>> compared_with(std::size_t index, bool is_compared) const;
+
     /// One picture of several that fills the view, by its place among them; nothing: all. Another view shows all again.
     void set_alone(std::optional<std::size_t> alone) { alone_ = alone; }
     std::optional<std::size_t> alone() const { return alone_; }

@@ -1,8 +1,10 @@
 // The conference, enlarged pictures, labels on slices and the log, by mouse and keyboard events.
 
+#include "tests/support/dialog_help.h"
 #include "tests/support/synthetic_patient.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/window_help.h"
+#include "tests/support/window_pictures.h"
 
 #include "ui/workstation/conference/notes_window.h"
 #include "ui/workstation/help/manual_window.h"
@@ -16,24 +18,22 @@
 
 #include <QAction>
 #include <QApplication>
+#include <QCheckBox>
 #include <QDialog>
 #include <QLabel>
 #include <QLineEdit>
 #include <QMenuBar>
 #include <QMouseEvent>
-#include <QPixmap>
 #include <QPlainTextEdit>
 #include <QPushButton>
 #include <QRadioButton>
 #include <QTest>
 #include <QTextBlock>
 #include <QTextBrowser>
-#include <QTimer>
 
-#include <cstdlib>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -43,19 +43,18 @@
 namespace retractor::ui {
 namespace conference_window_test {
 
-    /// Where a picture is kept: in the folder that RETRACTOR_PICTURES names, to be looked at, or nowhere for long.
+    using test_support::button_of;
+    using test_support::fill_next_dialog;
+    using test_support::name_next_file;
+
     std::filesystem::path picture_file(const test_support::TemporaryFolder& folder, const char* name)
     {
-        const char* pictures = std::getenv("RETRACTOR_PICTURES");
-        return (pictures != nullptr ? std::filesystem::path(pictures) : folder.path) / name;
+        return test_support::picture_file(folder.path, name);
     }
 
-    /// Keeps a picture of a dialog as it stands. @return whether it is drawn
     bool keep_picture(QDialog& dialog, const test_support::TemporaryFolder& folder, const char* name)
     {
-        const QPixmap picture = dialog.grab();
-        return picture.width() > 200 && picture.height() > 100
-            && picture.save(QString::fromStdString(picture_file(folder, name).string()));
+        return test_support::keep_picture(dialog, picture_file(folder, name));
     }
 
     class ConferenceTest : public testing::Test {
@@ -103,15 +102,26 @@ namespace conference_window_test {
         EXPECT_FALSE(window_.menuBar()->isVisible());
         EXPECT_FALSE(window_.approach_list().isVisible());
         EXPECT_TRUE(window_.conference_bar().isVisible());
-        // median: where it cuts, opened, what is seen and reached; lateral: the same; broken: where it cuts; all beside
-        // each other.
-        const std::vector<ViewPreset> views { ViewPreset::overview, ViewPreset::overview, ViewPreset::surgeon,
-            ViewPreset::surgeon, ViewPreset::overview, ViewPreset::overview, ViewPreset::surgeon, ViewPreset::surgeon,
-            ViewPreset::overview, ViewPreset::compare };
+        // median: the incision, what is cut, opened, what is seen and reached; lateral: the same; broken: the incision
+        // and what is cut; both plans beside each other.
+        const std::vector<ViewPreset> views { ViewPreset::overview, ViewPreset::overview, ViewPreset::overview,
+            ViewPreset::surgeon, ViewPreset::surgeon, ViewPreset::overview, ViewPreset::overview, ViewPreset::overview,
+            ViewPreset::surgeon, ViewPreset::surgeon, ViewPreset::overview, ViewPreset::overview, ViewPreset::compare };
+        const test_support::TemporaryFolder folder;
+        const auto is_shown = [&](const char* name) {
+            return std::ranges::count(window_.view().scenes().front().surfaces, name, &SurfaceItem::name) > 0;
+        };
         for (std::size_t step = 0; step < views.size(); ++step) {
             EXPECT_EQ(window_.model()->shown_view(), views[step]) << step << " " << title();
             const bool reaches = title().find("reaches") != std::string::npos;
-            EXPECT_EQ(reaches, step == 3 || step == 7) << title();
+            EXPECT_EQ(reaches, step == 4 || step == 9) << title();
+            const bool cuts = title().find("what is cut") != std::string::npos;
+            EXPECT_EQ(cuts, step == 1 || step == 6 || step == 11) << title();
+            EXPECT_EQ(window_.model()->wall_look(), cuts ? WallLook::see_through : WallLook::solid) << title();
+            EXPECT_EQ(is_shown("planned cut"), cuts) << title();
+            EXPECT_EQ(is_shown("heart"), cuts) << title();
+            if (step == 1)
+                window_.save_screenshot(picture_file(folder, "window-cut.png"));
             EXPECT_EQ(window_.model()->map(), reaches ? std::optional(FieldMapKind::reach) : std::nullopt);
             if (reaches) {
                 EXPECT_EQ(window_.view().scenes().front().legend.front().key, "reach through the wound");
@@ -123,10 +133,11 @@ namespace conference_window_test {
         EXPECT_EQ(title(), "Comparison");
         press(Qt::Key_Right); // there is no further step
         EXPECT_EQ(title(), "Comparison");
-        const test_support::TemporaryFolder folder;
         window_.save_screenshot(picture_file(folder, "window-conference.png"));
         press(Qt::Key_Home);
         EXPECT_FALSE(window_.model()->show_opened()) << "it begins before the cut";
+        press(Qt::Key_PageDown);
+        EXPECT_FALSE(window_.model()->show_opened()) << "it is cut and not opened";
         press(Qt::Key_PageDown);
         EXPECT_TRUE(window_.model()->show_opened());
         EXPECT_NE(title().find("opened"), std::string::npos);
@@ -146,6 +157,7 @@ namespace conference_window_test {
         press(Qt::Key_1, Qt::ControlModifier);
         ASSERT_EQ(window_.model()->map(), FieldMapKind::strain);
         press(Qt::Key_F5);
+        press(Qt::Key_Right);
         press(Qt::Key_Right);
         EXPECT_EQ(window_.model()->map(), FieldMapKind::strain) << "another map stays";
         press(Qt::Key_Right);
@@ -194,6 +206,52 @@ namespace conference_window_test {
         window_.save_screenshot(picture_file(folder, "window-three.png"));
     }
 
+    TEST_F(ConferenceTest, TheLookOfTheWallComesBackAfterTheConference)
+    {
+        open_synthetic();
+        window_.set_wall_look(WallLook::hidden);
+        press(Qt::Key_F5);
+        EXPECT_EQ(window_.model()->wall_look(), WallLook::hidden);
+        press(Qt::Key_Right);
+        EXPECT_EQ(window_.model()->wall_look(), WallLook::see_through) << title();
+        press(Qt::Key_Escape);
+        EXPECT_EQ(window_.model()->wall_look(), WallLook::hidden);
+    }
+
+    TEST_F(ConferenceTest, WhatIsComparedIsChosenAndKept)
+    {
+        const test_support::TemporaryFolder folder;
+        const planner::Case planned_case = open_on_disk(folder.path);
+        plan("median");
+        plan("lateral");
+        press(Qt::Key_D, Qt::ControlModifier); // a copy of the lateral approach
+        press(Qt::Key_P);
+        press(Qt::Key_5);
+        ASSERT_EQ(window_.view().scenes().size(), 3U) << window_.error_line();
+        const auto click_box = [&](const QString& name) {
+            auto* box = window_.findChild<QCheckBox*>("compare-" + name);
+            ASSERT_NE(box, nullptr) << name.toStdString();
+            ASSERT_TRUE(box->isEnabled());
+            QTest::mouseClick(box, Qt::LeftButton, {}, QPoint(8, box->height() / 2));
+            test_support::wait_until_idle(window_);
+            QCoreApplication::processEvents();
+            test_support::wait_until_idle(window_);
+        };
+        click_box("lateral");
+        ASSERT_EQ(window_.view().scenes().size(), 2U);
+        EXPECT_EQ(window_.view().scenes()[1].title.substr(0, 1), "B");
+        EXPECT_FALSE(window_.findChild<QCheckBox*>("compare-median")->isEnabled()) << "two at least";
+        EXPECT_EQ(planner::read_decisions(planner::decisions_file(planned_case)).compared.size(), 2U)
+            << window_.error_line();
+        window_.save_screenshot(picture_file(folder, "window-two-of-three.png"));
+        press(Qt::Key_F5);
+        press(Qt::Key_End);
+        EXPECT_EQ(window_.view().scenes().size(), 2U) << "the conference shows the same";
+        press(Qt::Key_Escape);
+        click_box("lateral");
+        EXPECT_EQ(window_.view().scenes().size(), 3U);
+    }
+
     TEST_F(ConferenceTest, TheButtonsDoTheSameAndAnotherCaseEndsIt)
     {
         open_synthetic();
@@ -222,24 +280,6 @@ namespace conference_window_test {
         press(Qt::Key_Right);
         press(Qt::Key_End);
         EXPECT_EQ(title(), "The patient");
-    }
-
-    /// Fills in the dialog that opens next.
-    void fill_next_dialog(MainWindow& window, std::function<void(QDialog&)> fill)
-    {
-        QTimer::singleShot(0, &window, [fill = std::move(fill)] {
-            auto* dialog = qobject_cast<QDialog*>(QApplication::activeModalWidget());
-            ASSERT_NE(dialog, nullptr);
-            fill(*dialog);
-        });
-    }
-
-    QPushButton* button_of(QDialog& dialog, const QString& text)
-    {
-        for (QPushButton* button : dialog.findChildren<QPushButton*>())
-            if (button->text() == text)
-                return button;
-        return nullptr;
     }
 
     TEST_F(ConferenceTest, ChoicesAndAnswersAreKept)
@@ -298,17 +338,6 @@ namespace conference_window_test {
     {
         std::ifstream in(file);
         return { std::istreambuf_iterator<char>(in), {} };
-    }
-
-    /// Names the file in the dialog that opens next.
-    void name_next_file(MainWindow& window, const std::filesystem::path& file)
-    {
-        fill_next_dialog(window, [file](QDialog& dialog) {
-            auto* name = dialog.findChild<QLineEdit*>("fileNameEdit");
-            ASSERT_NE(name, nullptr);
-            name->setText(QString::fromStdString(file.string()));
-            QTest::keyClick(name, Qt::Key_Return);
-        });
     }
 
     TEST_F(ConferenceTest, MovieAndReportAreSavedFromTheConference)
@@ -424,7 +453,7 @@ namespace conference_window_test {
         EXPECT_TRUE(kept()[0].opened);
         press(Qt::Key_1); // another view, and the conference begins there
         press(Qt::Key_F5);
-        for (int step = 0; step < 4; ++step)
+        for (int step = 0; step < 5; ++step)
             press(Qt::Key_Right);
         EXPECT_EQ(title(), "median: from the side");
         EXPECT_LT((window_.view().camera().eye - camera.eye).norm(), 1e-6);

@@ -379,6 +379,14 @@ TEST_F(CommandLine, SavedPlansAreDrawnAndComparedWithoutPlanningAgain)
     };
     for (const char* picture : { "straight-surgeon.png", "straight-overview.png", "drawn-surgeon.png" })
         EXPECT_TRUE(bytes(folder / "saved_render" / picture) == bytes(folder / "saved_plan" / picture)) << picture;
+    // The same plans as a movie.
+    const CommandRun movie = run("--json render " + file + " --play --frames --size 160x120 --out " + out("movie"));
+    ASSERT_EQ(movie.exit_code, 0) << movie.out;
+    EXPECT_EQ(bytes(folder / "movie" / "movie.webm").substr(0, 4), "\x1A\x45\xDF\xA3") << "EBML, as WebM begins";
+    const auto frames = std::distance(fs::directory_iterator(folder / "movie" / "frames"), {});
+    constexpr int kFramesOfAStep = 80; // 4 s
+    EXPECT_GT(frames, 2 * 4 * kFramesOfAStep) << "two plans, with four steps at least";
+    EXPECT_EQ(run("render " + file + " --play --size 161x120 --out " + out("odd_movie")).exit_code, 2);
 
     const CommandRun compared = run("compare " + file);
     ASSERT_EQ(compared.exit_code, 0) << compared.out;

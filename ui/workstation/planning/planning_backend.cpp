@@ -23,10 +23,9 @@
 #include "planner/wall/parted_bones.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_cut.h"
-#include "ui/movie/plan_movie.h"
 #include "ui/plan_scene/field_map.h"
-#include "ui/plan_scene/planned_cut.h"
 #include "ui/plan_scene/plan_scene.h"
+#include "ui/plan_scene/planned_cut.h"
 #include "ui/plan_scene/search_map.h"
 #include "ui/results/field_files.h"
 #include "ui/scene/vtk/offscreen.h"
@@ -312,7 +311,8 @@ std::optional<planner::PlannedForce> planned_force(const planner::FieldMetrics& 
         .objections = planner::objections_of(field) };
 }
 
-PlanningBackend make_planning_backend(const planner::Case& planned_case, const TextLanguage& language)
+PlanningBackend make_planning_backend(
+    const planner::Case& planned_case, const TextLanguage& language, const MovieSettings& movie)
 {
     const auto patient = std::make_shared<planner::Patient>(planned_case);
     const auto pointer = std::make_shared<SkinPointer>();
@@ -392,12 +392,12 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case, const T
             = planner::read_saved_plan(case_with(*patient, approach), approach.name);
         return saved ? std::optional(pictures_of(*patient, saved->field)) : std::nullopt;
     };
-    backend.write_movie = [patient](const PlanningBackend::Shown& shown, const std::filesystem::path& file,
+    backend.write_movie = [patient, movie](const PlanningBackend::Shown& shown, const std::filesystem::path& file,
                               const std::filesystem::path& pictures, const Job& job) {
         const MovieContent content {
             .planned_case = shown.planned_case, .fields = saved_fields(*patient, shown), .language = shown.language
         };
-        return write_movie(file, pictures, *patient, content, {}, make_offscreen_context(), job);
+        return write_movie(file, pictures, *patient, content, movie, make_offscreen_context(), job);
     };
     backend.write_report
         = [patient](const PlanningBackend::Shown& shown, const std::filesystem::path& file, const Job& job) {

@@ -7,6 +7,7 @@
 #include "planner/measures/sight/live_view.h"
 #include "planner/search/search_plans.h"
 #include "planner/session/surgery_session.h"
+#include "ui/movie/plan_movie.h"
 #include "ui/scene/vtk/render.h"
 #include "ui/workstation/palpation/shown_wound.h"
 #include "ui/workstation/planning/session_model.h"
@@ -96,6 +97,8 @@ std::optional<planner::PlannedForce> planned_force(const planner::FieldMetrics& 
 
 /// The real planner. The backend reads data on first use and keeps them.
 /// @param language of the texts in the map of a search
-PlanningBackend make_planning_backend(const planner::Case& planned_case, const TextLanguage& language = {});
+/// @param movie of the movies that it writes
+PlanningBackend make_planning_backend(
+    const planner::Case& planned_case, const TextLanguage& language = {}, const MovieSettings& movie = {});
 
 } // namespace retractor::ui

@@ -5,6 +5,7 @@
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/camera_motion.h"
 #include "ui/scene/pick.h"
+#include "ui/workstation/language/language.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/view/picture_view.h"
 
@@ -261,7 +262,7 @@ void MainWindow::name_place(std::size_t scene, const planner::Ray& ray)
     const auto picked = pick(view_->scenes().at(scene), ray.origin, ray.direction);
     if (!picked)
         return show_message({});
-    const QString name = QString::fromStdString(planner::capital(model_->name_of(*picked)));
+    const QString name = QString::fromStdString(planner::capital(translated(model_->name_of(*picked)).toStdString()));
     if (!model_->lies_as_in_ct(*picked))
         return show_message(name);
     model_->set_slice_point(picked->place);

@@ -408,6 +408,7 @@ void KnifeTool::watch_sight()
             sight_.forget();
     } else {
         TriMesh around = beyond_;
+        around.labels.clear(); // steel has none
         append(around, steel_);
         sight_.watch(snapshot.picture, around, *shown()->look);
         age_timer_.start();

@@ -443,7 +443,17 @@ namespace knife_window_test {
         const QString said = window_->knife_panel().sight_text();
         EXPECT_EQ(said.toStdString().find("The best eye sees 25 % of the target (\u00b1 2), 12\u00b0 off"), 0U)
             << said.toStdString();
-        press(Qt::Key_Z, Qt::ControlModifier);
+        press(Qt::Key_H);
+        for (const double z : { 3.0, -3.0 }) {
+            mouse_down(pixel(0.0, z));
+            mouse_up(pixel(0.0, z));
+            wait_until_idle();
+        }
+        ASSERT_EQ(snapshot().hooks.hooks.size(), 2U) << error();
+        EXPECT_EQ(window_->knife_panel().sight_text().toStdString().find("The best eye sees 25 %"), 0U)
+            << "steel is among what hides: " << window_->knife_panel().sight_text().toStdString();
+        for (int undone = 0; undone < 3; ++undone)
+            press(Qt::Key_Z, Qt::ControlModifier);
         wait_until_idle();
         EXPECT_EQ(window_->knife_panel().sight_text(), "");
     }

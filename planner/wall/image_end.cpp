@@ -13,7 +13,6 @@ namespace retractor::planner {
 namespace {
 
     constexpr int kBorderVoxels = 3;
-    constexpr double kOutsideVoxels = 1.0;
 
     /// One slice of the labels across an axis, as a mask of the labelled voxels and what they enclose.
     struct Slice {
@@ -50,39 +49,114 @@ namespace {
         return kShrinks * area(outermost) < area(further_in);
     }
 
-    /// Adds one rectangle for each run of the mask along a row. @param outside_at coordinate across the slice, voxels
-    void add_faces(const mesh::ImageGrid& grid, const Slice& slice, double outside_at, std::vector<Vec3>& corners)
+    /// The mask with a margin of one voxel, blurred over a voxel to each side, so that its outline is no staircase. The
+    /// level kOutline stays at straight edges.
+    struct Smoothed {
+        int columns = 0, rows = 0;
+        std::vector<double> values;
+        double at(int column, int row) const
+        {
+            return values[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns)
+                + static_cast<std::size_t>(column)];
+        }
+    };
+    constexpr double kOutline = 0.5;
+
+    Smoothed smoothed(const Slice& slice, int columns, int rows)
+    {
+        constexpr int kMargin = 2;
+        Smoothed wide { columns + 2 * kMargin, rows + 2 * kMargin, {} };
+        wide.values.assign(static_cast<std::size_t>(wide.columns) * static_cast<std::size_t>(wide.rows), 0.0);
+        const auto index = [&](int column, int row) {
+            return static_cast<std::size_t>(row) * static_cast<std::size_t>(wide.columns)
+                + static_cast<std::size_t>(column);
+        };
+        for (int row = 0; row < rows; ++row)
+            for (int column = 0; column < columns; ++column)
+                wide.values[index(column + kMargin, row + kMargin)]
+                    = slice.mask[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns)
+                        + static_cast<std::size_t>(column)];
+        for (const bool along_rows : { true, false }) {
+            const std::vector<double> before = wide.values;
+            const std::size_t step = along_rows ? 1 : static_cast<std::size_t>(wide.columns);
+            for (int row = 1; row + 1 < wide.rows; ++row)
+                for (int column = 1; column + 1 < wide.columns; ++column) {
+                    const std::size_t n = index(column, row);
+                    wide.values[n] = 0.25 * before[n - step] + 0.5 * before[n] + 0.25 * before[n + step];
+                }
+        }
+        return wide;
+    }
+
+    /// The part of a cell between four values that lies within the outline, as a polygon (marching squares; of a
+    /// saddle, the corners hang together). @param corner places and values, in order round the cell
+    std::vector<std::array<double, 2>> part_within(const std::array<std::array<double, 3>, 4>& corner)
+    {
+        std::vector<std::array<double, 2>> polygon;
+        for (std::size_t n = 0; n < corner.size(); ++n) {
+            const auto &a = corner.at(n), &b = corner.at((n + 1) % corner.size());
+            const bool a_in = a[2] >= kOutline, b_in = b[2] >= kOutline;
+            if (a_in)
+                polygon.push_back({ a[0], a[1] });
+            if (a_in != b_in) {
+                const double t = (kOutline - a[2]) / (b[2] - a[2]);
+                polygon.push_back({ a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]) });
+            }
+        }
+        return polygon;
+    }
+
+    /// Adds what lies within the slice's smoothed outline: a rectangle for each run of whole cells, and the parts of
+    /// cells at the outline. @param outside_at coordinate across the slice, voxels
+    void add_faces(const mesh::ImageGrid& grid, const Slice& slice, double outside_at, std::vector<Vec3>& places,
+        std::vector<std::array<VertexId, 3>>& triangles)
     {
         const int columns = grid.size[static_cast<std::size_t>(slice.axes[0])];
         const int rows = grid.size[static_cast<std::size_t>(slice.axes[1])];
-        const auto corner = [&](double column, double row) {
-            Vec3 index;
-            index[slice.across] = outside_at;
-            index[slice.axes[0]] = column - 0.5;
-            index[slice.axes[1]] = row - 0.5;
-            corners.push_back(grid.world(index));
-        };
-        for (int row = 0; row < rows; ++row)
-            for (int column = 0; column < columns;) {
-                const auto first = slice.mask.begin() + static_cast<std::ptrdiff_t>(row) * columns;
-                const auto begin = std::find(first + column, first + columns, std::uint8_t { 1 });
-                const auto end = std::find(begin, first + columns, std::uint8_t { 0 });
-                if (begin == end)
-                    break;
-                const auto a = static_cast<double>(begin - first), b = static_cast<double>(end - first);
-                corner(a, row);
-                corner(b, row);
-                corner(b, row + 1);
-                corner(a, row + 1);
-                column = static_cast<int>(end - first);
+        const Smoothed mask = smoothed(slice, columns, rows);
+        const int margin = (mask.columns - columns) / 2;
+        const auto add = [&](const std::vector<std::array<double, 2>>& polygon) {
+            const auto first = static_cast<VertexId>(places.size());
+            for (const auto& [column, row] : polygon) {
+                Vec3 index;
+                index[slice.across] = outside_at;
+                index[slice.axes[0]] = column - margin;
+                index[slice.axes[1]] = row - margin;
+                places.push_back(grid.world(index));
             }
+            for (VertexId n = 2; n < static_cast<VertexId>(polygon.size()); ++n)
+                triangles.push_back({ first, first + n - 1, first + n });
+        };
+        for (int row = 0; row + 1 < mask.rows; ++row) {
+            const auto whole = [&](int column) {
+                return mask.at(column, row) >= kOutline && mask.at(column + 1, row) >= kOutline
+                    && mask.at(column, row + 1) >= kOutline && mask.at(column + 1, row + 1) >= kOutline;
+            };
+            for (int column = 0; column + 1 < mask.columns;) {
+                int end = column;
+                while (end + 1 < mask.columns && whole(end))
+                    ++end;
+                const double low = row, high = row + 1;
+                if (end > column) {
+                    const double from = column, to = end;
+                    add({ { from, low }, { to, low }, { to, high }, { from, high } });
+                    column = end;
+                    continue;
+                }
+                const double from = column, to = column + 1;
+                add(part_within({ { { from, low, mask.at(column, row) }, { to, low, mask.at(column + 1, row) },
+                    { to, high, mask.at(column + 1, row + 1) }, { from, high, mask.at(column, row + 1) } } }));
+                ++column;
+            }
+        }
     }
 
 } // namespace
 
 TriMesh image_end_faces(const mesh::LabelVolume& labels)
 {
-    std::vector<Vec3> corners;
+    std::vector<Vec3> places;
+    TriMesh faces;
     for (int across = 0; across < 3; ++across) {
         const int count = labels.grid.size[static_cast<std::size_t>(across)];
         for (const bool at_end : { false, true })
@@ -94,19 +168,28 @@ TriMesh image_end_faces(const mesh::LabelVolume& labels)
                 const int further_in = std::clamp(at_end ? at - kBorderVoxels : at + kBorderVoxels, 0, count - 1);
                 if (ends_by_itself(slice, slice_of(labels, across, further_in)))
                     break;
-                add_faces(labels.grid, slice, at_end ? at + kOutsideVoxels : at - kOutsideVoxels, corners);
+                add_faces(
+                    labels.grid, slice, at_end ? at + kImageEndVoxels : at - kImageEndVoxels, places, faces.triangles);
                 break;
             }
     }
-    TriMesh faces;
-    faces.vertices.resize(static_cast<Eigen::Index>(corners.size()), 3);
-    for (std::size_t v = 0; v < corners.size(); ++v)
-        faces.vertices.row(static_cast<Eigen::Index>(v)) = corners[v].transpose();
-    for (VertexId v = 0; v < static_cast<VertexId>(corners.size()); v += 4) {
-        faces.triangles.push_back({ v, v + 1, v + 2 });
-        faces.triangles.push_back({ v, v + 2, v + 3 });
-    }
+    faces.vertices.resize(static_cast<Eigen::Index>(places.size()), 3);
+    for (std::size_t v = 0; v < places.size(); ++v)
+        faces.vertices.row(static_cast<Eigen::Index>(v)) = places[v].transpose();
     return faces;
+}
+
+void keep_within_image(Points& vertices, const mesh::ImageGrid& grid)
+{
+    constexpr double kBehindVoxels = 0.2; // so that the two do not flicker
+    const double outside = kImageEndVoxels - kBehindVoxels;
+    const Vec3 low = Vec3::Constant(-outside),
+               high = Vec3(grid.size[0], grid.size[1], grid.size[2]).array() - 1.0 + outside;
+    for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
+        const Vec3 index = grid.index(vertices.row(v).transpose());
+        if ((index.array() < low.array()).any() || (index.array() > high.array()).any())
+            vertices.row(v) = grid.world(index.cwiseMax(low).cwiseMin(high)).transpose();
+    }
 }
 
 } // namespace retractor::planner

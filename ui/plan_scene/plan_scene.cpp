@@ -9,6 +9,7 @@
 #include "planner/measures/metrics.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/plan/wound_view.h"
+#include "planner/wall/image_end.h"
 #include "planner/wall/skin_pits.h"
 #include "planner/wall/unmeshed_wall.h"
 #include "ui/plan_scene/label_surfaces.h"
@@ -117,7 +118,9 @@ namespace {
         if (!field.remaining_wall.triangles.empty()) {
             SurfaceItem rest;
             rest.name = kBeyondName;
-            rest.mesh = std::make_shared<const TriMesh>(field.remaining_wall);
+            TriMesh wall = field.remaining_wall;
+            planner::keep_within_image(wall.vertices, patient.labels()->grid);
+            rest.mesh = std::make_shared<const TriMesh>(std::move(wall));
             rest.look_of_label = tissue_looks(table);
             scene.surfaces.push_back(std::move(rest));
         }
@@ -300,6 +303,7 @@ TriMesh drawn_wall(planner::Patient& patient, const planner::PlannedField& field
     const mesh::LabelTable& table = patient.labels()->table;
     if (const auto skin = std::ranges::find(table, "skin", &mesh::LabelInfo::material); skin != table.end())
         planner::lift_pits(boundary, at_rest, *patient.body(), field.approach.incision, skin->id);
+    planner::keep_within_image(boundary.vertices, patient.labels()->grid);
     return planner::without_rim(
         std::move(boundary), at_rest, sizing, planner::drawn_rim_width_mm(sizing.region_mm, field.approach.depth_mm));
 }

@@ -49,7 +49,7 @@ namespace {
         return kShrinks * area(outermost) < area(further_in);
     }
 
-    /// The mask with a margin of one voxel, blurred over a voxel to each side, so that its outline is no staircase. The
+    /// The mask with a margin, blurred over a voxel to each side, so that its outline is no staircase. The
     /// level kOutline stays at straight edges.
     struct Smoothed {
         int columns = 0, rows = 0;
@@ -153,10 +153,10 @@ namespace {
 
 } // namespace
 
-TriMesh image_end_faces(const mesh::LabelVolume& labels)
+std::vector<ImageEnd> image_ends(const mesh::LabelVolume& labels)
 {
-    std::vector<Vec3> places;
-    TriMesh faces;
+    constexpr double kOutsideVoxels = 1.0; // so that organs end before the faces
+    std::vector<ImageEnd> ends;
     for (int across = 0; across < 3; ++across) {
         const int count = labels.grid.size[static_cast<std::size_t>(across)];
         for (const bool at_end : { false, true })
@@ -166,29 +166,41 @@ TriMesh image_end_faces(const mesh::LabelVolume& labels)
                 if (std::find(slice.mask.begin(), slice.mask.end(), std::uint8_t { 1 }) == slice.mask.end())
                     continue;
                 const int further_in = std::clamp(at_end ? at - kBorderVoxels : at + kBorderVoxels, 0, count - 1);
-                if (ends_by_itself(slice, slice_of(labels, across, further_in)))
-                    break;
-                add_faces(
-                    labels.grid, slice, at_end ? at + kImageEndVoxels : at - kImageEndVoxels, places, faces.triangles);
+                if (!ends_by_itself(slice, slice_of(labels, across, further_in)))
+                    ends.push_back({ .across = across,
+                        .at_end = at_end,
+                        .slice = at,
+                        .face = at_end ? at + kOutsideVoxels : at - kOutsideVoxels });
                 break;
             }
     }
+    return ends;
+}
+
+TriMesh image_end_faces(const mesh::LabelVolume& labels)
+{
+    std::vector<Vec3> places;
+    TriMesh faces;
+    for (const ImageEnd& end : image_ends(labels))
+        add_faces(labels.grid, slice_of(labels, end.across, end.slice), end.face, places, faces.triangles);
     faces.vertices.resize(static_cast<Eigen::Index>(places.size()), 3);
     for (std::size_t v = 0; v < places.size(); ++v)
         faces.vertices.row(static_cast<Eigen::Index>(v)) = places[v].transpose();
     return faces;
 }
 
-void keep_within_image(Points& vertices, const mesh::ImageGrid& grid)
+void keep_within_image(Points& vertices, const mesh::ImageGrid& grid, const std::vector<ImageEnd>& ends)
 {
     constexpr double kBehindVoxels = 0.2; // so that the two do not flicker
-    const double outside = kImageEndVoxels - kBehindVoxels;
-    const Vec3 low = Vec3::Constant(-outside),
-               high = Vec3(grid.size[0], grid.size[1], grid.size[2]).array() - 1.0 + outside;
     for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
         const Vec3 index = grid.index(vertices.row(v).transpose());
-        if ((index.array() < low.array()).any() || (index.array() > high.array()).any())
-            vertices.row(v) = grid.world(index.cwiseMax(low).cwiseMin(high)).transpose();
+        Vec3 within = index;
+        for (const ImageEnd& end : ends) {
+            double& at = within[end.across];
+            at = end.at_end ? std::min(at, end.face - kBehindVoxels) : std::max(at, end.face + kBehindVoxels);
+        }
+        if (within != index)
+            vertices.row(v) = grid.world(within).transpose();
     }
 }
 

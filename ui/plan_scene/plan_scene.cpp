@@ -119,7 +119,7 @@ namespace {
             SurfaceItem rest;
             rest.name = kBeyondName;
             TriMesh wall = field.remaining_wall;
-            planner::keep_within_image(wall.vertices, patient.labels()->grid);
+            planner::keep_within_image(wall.vertices, patient.labels()->grid, planner::image_ends(*patient.labels()));
             rest.mesh = std::make_shared<const TriMesh>(std::move(wall));
             rest.look_of_label = tissue_looks(table);
             scene.surfaces.push_back(std::move(rest));
@@ -303,7 +303,7 @@ TriMesh drawn_wall(planner::Patient& patient, const planner::PlannedField& field
     const mesh::LabelTable& table = patient.labels()->table;
     if (const auto skin = std::ranges::find(table, "skin", &mesh::LabelInfo::material); skin != table.end())
         planner::lift_pits(boundary, at_rest, *patient.body(), field.approach.incision, skin->id);
-    planner::keep_within_image(boundary.vertices, patient.labels()->grid);
+    planner::keep_within_image(boundary.vertices, patient.labels()->grid, planner::image_ends(*patient.labels()));
     return planner::without_rim(
         std::move(boundary), at_rest, sizing, planner::drawn_rim_width_mm(sizing.region_mm, field.approach.depth_mm));
 }

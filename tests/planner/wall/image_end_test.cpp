@@ -74,19 +74,20 @@ namespace image_end_test {
         EXPECT_NEAR(area(faces), 2.0 * voxels, 0.04 * 2.0 * voxels);
     }
 
-    TEST(ImageEnd, WhatIsPushedOutOfTheImageIsDrawnBehindIt)
+    TEST(ImageEnd, WhatIsPushedOutThereIsDrawnBehindIt)
     {
-        const mesh::ImageGrid grid = tube(0, 0).grid;
-        Points places(3, 3);
-        places.row(0) = grid.world(Vec3(5.0, 5.0, -4.0)).transpose();
-        places.row(1) = grid.world(Vec3(5.0, 5.0, 5.0)).transpose();
-        places.row(2) = grid.world(Vec3(5.0, kSize + 3.0, kSize + 3.0)).transpose();
-        const Points before = places;
-        keep_within_image(places, grid);
-        const auto index = [&](Eigen::Index row) { return grid.index(places.row(row).transpose()); };
-        EXPECT_LT((index(0) - Vec3(5.0, 5.0, -0.8)).norm(), 1e-9);
-        EXPECT_EQ(places.row(1), before.row(1));
-        EXPECT_LT((index(2) - Vec3(5.0, kSize - 0.2, kSize - 0.2)).norm(), 1e-9);
+        const mesh::LabelVolume labels = tube(2, kSize); // two empty slices before it, none behind it
+        Points places(4, 3);
+        const std::vector<Vec3> indices { { 5.0, 5.0, -4.0 }, { 5.0, 5.0, 5.0 }, { 5.0, 5.0, kSize + 3.0 },
+            { -3.0, 5.0, 5.0 } };
+        for (std::size_t n = 0; n < indices.size(); ++n)
+            places.row(static_cast<Eigen::Index>(n)) = labels.grid.world(indices[n]).transpose();
+        keep_within_image(places, labels.grid, image_ends(labels));
+        const auto index = [&](Eigen::Index row) { return labels.grid.index(places.row(row).transpose()); };
+        EXPECT_LT((index(0) - Vec3(5.0, 5.0, 1.2)).norm(), 1e-9) << "the outermost slice is 2, the face 1";
+        EXPECT_LT((index(1) - indices[1]).norm(), 1e-9);
+        EXPECT_LT((index(2) - Vec3(5.0, 5.0, kSize - 0.2)).norm(), 1e-9);
+        EXPECT_LT((index(3) - indices[3]).norm(), 1e-9) << "the body ends there by itself";
     }
 
     TEST(ImageEnd, LeavesABodyOpenThatEndsByItselfNearTheBorder)

@@ -5,7 +5,6 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/approach/divided_bones.h"
-#include "planner/decision/decisions.h"
 #include "planner/decision/presentation.h"
 #include "planner/plan/wound_view.h"
 #include "ui/movie/video_file.h"
@@ -20,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -83,7 +83,7 @@ namespace {
                 hold(step, incision_slice_scenes(patient_, *approach));
                 break;
             case planner::PresentedView::cut:
-                hold(step, { planned_cut_scene(patient_, *approach) });
+                hold(step, { cut_scene(*approach) });
                 break;
             case planner::PresentedView::opened:
                 open(step, *field);
@@ -156,6 +156,13 @@ namespace {
             if (const auto map = field_map(patient_, field, FieldMapKind::reach))
                 scene = with_map(std::move(scene), *map);
             return scene;
+        }
+
+        Scene cut_scene(const planner::Approach& approach)
+        {
+            if (!anatomy_)
+                anatomy_ = anatomy_surfaces(patient_, job_);
+            return planned_cut_scene(patient_, approach, *anatomy_);
         }
 
         /// The closed patient, opaque, because a translucent body takes ten times as long to draw.
@@ -245,18 +252,9 @@ namespace {
         const MovieSink& sink_;
         const Job& job_;
         TriMesh wall_at_rest_, beyond_at_rest_; ///< of the field that opens
+        std::optional<std::vector<SurfaceItem>> anatomy_; ///< made once
         int done_ = 0, steps_ = 1;
     };
-
-    /// Decisions that cannot be read are left out; the window and the report say why.
-    planner::Decisions decisions_of(const planner::Case& planned_case)
-    {
-        try {
-            return planner::read_decisions(planner::decisions_file(planned_case));
-        } catch (const Error&) {
-            return {};
-        }
-    }
 
 } // namespace
 
@@ -284,7 +282,7 @@ bool play_plans(planner::Patient& patient, const MovieContent& content, const Mo
             = field == nullptr ? std::vector<std::string>() : planner::divided_bones(*patient.labels(), approach) });
     }
     const std::vector<planner::PresentationStep> steps
-        = planner::presentation_of(planned_case, known, decisions_of(planned_case));
+        = planner::presentation_of(planned_case, known, content.decisions);
     Player player(patient, settings, content.language, renderer, sink, job);
     player.expect(static_cast<int>(steps.size()));
     for (const planner::PresentationStep& step : steps) {

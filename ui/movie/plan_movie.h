@@ -6,6 +6,7 @@
 
 #include "mesh/base/job.h"
 #include "planner/case/patient.h"
+#include "planner/decision/decisions.h"
 #include "planner/plan/planned_field.h"
 #include "ui/scene/vtk/render.h"
 
@@ -33,6 +34,7 @@ struct MovieContent {
     /// Plans of these approaches. A field without numbers is left out; an approach without a field is shown before the
     /// cut only.
     std::vector<planner::PlannedField> fields;
+    planner::Decisions decisions {}; ///< of the team
     TextLanguage language {}; ///< of the texts in the pictures
 };
 

@@ -71,15 +71,16 @@ Camera planned_cut_camera(const Camera& outside, const planner::Approach& approa
     return towards.dot(one.eye) > towards.dot(other.eye) ? one : other;
 }
 
-Scene planned_cut_scene(planner::Patient& patient, const planner::Approach& approach)
+Scene planned_cut_scene(
+    planner::Patient& patient, const planner::Approach& approach, const std::vector<SurfaceItem>& anatomy)
 {
     Scene scene = planning_scene(patient, approach);
     for (SurfaceItem& item : scene.surfaces)
         if (item.name == kBodyName)
             item.opacity = kSeeThroughOpacity;
-    for (SurfaceItem& organ : anatomy_surfaces(patient))
+    for (const SurfaceItem& organ : anatomy)
         if (std::ranges::none_of(scene.surfaces, [&](const SurfaceItem& item) { return item.name == organ.name; }))
-            scene.surfaces.push_back(std::move(organ));
+            scene.surfaces.push_back(organ);
     scene.surfaces.push_back(planned_cut(patient, approach));
     scene.camera = planned_cut_camera(scene.camera, approach);
     return scene;

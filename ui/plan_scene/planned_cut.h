@@ -4,6 +4,8 @@
 #include "planner/case/patient.h"
 #include "ui/scene/scene.h"
 
+#include <vector>
+
 namespace retractor::ui {
 
 /// Opacity of the body's wall where one looks through it.
@@ -17,8 +19,9 @@ Camera planned_cut_camera(const Camera& outside, const planner::Approach& approa
 /// divide a space or the sternum beyond the skin; see find_division().
 SurfaceItem planned_cut(planner::Patient& patient, planner::Approach approach);
 
-/// The patient from outside before the cut: bones, targets and structures at risk through a see-through wall, and the
-/// cut between them. With planned_cut_camera().
-Scene planned_cut_scene(planner::Patient& patient, const planner::Approach& approach);
+/// The patient from outside before the cut: the anatomy through a see-through wall, and the cut in it. With
+/// planned_cut_camera(). @param anatomy as anatomy_surfaces()
+Scene planned_cut_scene(
+    planner::Patient& patient, const planner::Approach& approach, const std::vector<SurfaceItem>& anatomy);
 
 } // namespace retractor::ui

@@ -103,9 +103,10 @@ void MainWindow::run_export(const QString& file, std::function<bool(const Job&)>
 
 PlanningBackend::Shown MainWindow::shown_plans() const
 {
-    PlanningBackend::Shown shown {
-        .planned_case = model_->planned_case(), .planned = {}, .language = picture_language()
-    };
+    PlanningBackend::Shown shown { .planned_case = model_->planned_case(),
+        .planned = {},
+        .decisions = model_->decisions(),
+        .language = picture_language() };
     for (const std::size_t index : model_->planned())
         shown.planned.push_back(model_->approach(index).name);
     return shown;

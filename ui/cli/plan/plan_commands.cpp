@@ -14,6 +14,7 @@
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/approach/find_division.h"
 #include "planner/case/draft_case.h"
+#include "planner/decision/decisions.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/plan.h"
 #include "planner/wall/parted_bones.h"
@@ -510,7 +511,10 @@ namespace {
         PlannedCase planned(options, Rounds::one, job);
         auto& [in_file, patient, request, checks, folder, made, drawn] = planned;
         const fs::path file = folder / "movie.webm", frames = options.frames ? folder / "frames" : fs::path();
-        const MovieContent content { .planned_case = patient.planned_case(), .fields = drawn.fields };
+        const planner::Case& planned_case = patient.planned_case();
+        const MovieContent content { .planned_case = planned_case,
+            .fields = drawn.fields,
+            .decisions = planner::read_decisions(planner::decisions_file(planned_case)) };
         if (!write_movie(file, frames, patient, content, settings, make_offscreen_context(), job))
             refuse_if_cancelled(job);
         Outcome outcome;

@@ -394,9 +394,10 @@ PlanningBackend make_planning_backend(
     };
     backend.write_movie = [patient, movie](const PlanningBackend::Shown& shown, const std::filesystem::path& file,
                               const std::filesystem::path& pictures, const Job& job) {
-        const MovieContent content {
-            .planned_case = shown.planned_case, .fields = saved_fields(*patient, shown), .language = shown.language
-        };
+        const MovieContent content { .planned_case = shown.planned_case,
+            .fields = saved_fields(*patient, shown),
+            .decisions = shown.decisions,
+            .language = shown.language };
         return write_movie(file, pictures, *patient, content, movie, make_offscreen_context(), job);
     };
     backend.write_report

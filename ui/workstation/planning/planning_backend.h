@@ -73,6 +73,7 @@ struct PlanningBackend {
     struct Shown {
         planner::Case planned_case;
         std::vector<std::string> planned;
+        planner::Decisions decisions {}; ///< of the team, as they are shown
         TextLanguage language {}; ///< of the texts in pictures
     };
     /// Writes a movie of the case and its plans, see write_movie(). @return false: cancelled

@@ -303,9 +303,10 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
         input.setup.approach.depth_mm = 15.0;
         if (!control->cuts_folder.empty())
             input.setup.journal = planner::cuts_journal(control->cuts_folder / "case.json", approach.name);
-        input.look = [](const TriMesh& wall, const TriMesh& around, const Job&) {
+        input.look = [control](const TriMesh& wall, const TriMesh& around, const Job&) {
             if (!around.labels.empty() && around.labels.size() != around.triangles.size())
                 throw InputError("what hides has labels for a part of its triangles");
+            control->hiding_triangles = around.triangles.size();
             // Wider wounds show more: by the surface's lips alone.
             return planner::SeenNow {
                 .seen_fraction = wall.triangles.empty() ? 0.0 : 0.25, .sampling_error = 0.02, .off_straight_deg = 12.0

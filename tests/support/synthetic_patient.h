@@ -23,6 +23,7 @@ struct SyntheticControl {
     std::atomic<bool> incision_slices { false }; ///< approaches have a slice across the incision
     std::atomic<bool> hold_files { false }; ///< movies and reports wait until this is false or they are cancelled
     std::atomic<int> closed_made { 0 }, plans_made { 0 }, setups_made { 0 };
+    std::atomic<std::size_t> hiding_triangles { 0 }; ///< of what lay round the wall at the last look
 };
 
 ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& control);

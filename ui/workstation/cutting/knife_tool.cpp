@@ -407,10 +407,12 @@ void KnifeTool::watch_sight()
         if (!wound && !snapshot.stroke_open)
             sight_.forget();
     } else {
-        TriMesh around = beyond_;
-        around.labels.clear(); // steel has none
-        append(around, steel_);
-        sight_.watch(snapshot.picture, around, *shown()->look);
+        if (!sight_.watches(snapshot.picture)) {
+            TriMesh around = beyond_;
+            around.labels.clear(); // steel has none
+            append(around, steel_);
+            sight_.watch(snapshot.picture, std::move(around), *shown()->look);
+        }
         age_timer_.start();
     }
     panel_.show_sight(sight_.text());

@@ -40,14 +40,14 @@ SightWatch::SightWatch()
     executor_.post([](const Job&) { lower_priority(); });
 }
 
-void SightWatch::watch(std::shared_ptr<const planner::WallPicture> wall, const TriMesh& around, const Look& look)
+void SightWatch::watch(std::shared_ptr<const planner::WallPicture> wall, TriMesh around, const Look& look)
 {
     if (wall == newest_ || wall == nullptr || !look)
         return;
     if (newest_ == measured_ && measured_ != nullptr)
         since_.start();
     newest_ = wall;
-    Wound wound { .wall = std::move(wall), .around = around, .look = look };
+    Wound wound { .wall = std::move(wall), .around = std::move(around), .look = look };
     if (running_)
         waiting_ = std::move(wound);
     else

@@ -24,7 +24,9 @@ public:
 
     /// Measures this wound, unless it is measured already.
     /// @param around what else hides something, as shown: the wall outside the model, hooks and blades
-    void watch(std::shared_ptr<const planner::WallPicture> wall, const TriMesh& around, const Look& look);
+    void watch(std::shared_ptr<const planner::WallPicture> wall, TriMesh around, const Look& look);
+    /// Whether watch() was called with this wound last.
+    bool watches(const std::shared_ptr<const planner::WallPicture>& wall) const { return wall == newest_; }
     /// Shows nothing until the next watch().
     void forget();
     bool idle() const { return !running_; }

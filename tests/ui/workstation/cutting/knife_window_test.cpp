@@ -443,6 +443,7 @@ namespace knife_window_test {
         const QString said = window_->knife_panel().sight_text();
         EXPECT_EQ(said.toStdString().find("The best eye sees 25 % of the target (\u00b1 2), 12\u00b0 off"), 0U)
             << said.toStdString();
+        const std::size_t without_steel = control_->hiding_triangles;
         press(Qt::Key_H);
         for (const double z : { 3.0, -3.0 }) {
             mouse_down(pixel(0.0, z));
@@ -451,7 +452,8 @@ namespace knife_window_test {
         }
         ASSERT_EQ(snapshot().hooks.hooks.size(), 2U) << error();
         EXPECT_EQ(window_->knife_panel().sight_text().toStdString().find("The best eye sees 25 %"), 0U)
-            << "steel is among what hides: " << window_->knife_panel().sight_text().toStdString();
+            << window_->knife_panel().sight_text().toStdString();
+        EXPECT_GT(control_->hiding_triangles, without_steel) << "steel is among what hides";
         for (int undone = 0; undone < 3; ++undone)
             press(Qt::Key_Z, Qt::ControlModifier);
         wait_until_idle();

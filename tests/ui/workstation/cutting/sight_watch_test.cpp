@@ -31,9 +31,9 @@ namespace sight_watch_test {
         /// Sees one percent for each millimetre of height, when it is let.
         SightWatch::Look look()
         {
-            return [this](const TriMesh& wall, const TriMesh&, const Job&) {
+            return [this](const TriMesh& wall, const TriMesh&, const Job& job) {
                 ++begun_;
-                while (held_)
+                while (held_ && !job.cancelled())
                     std::this_thread::sleep_for(std::chrono::milliseconds(1));
                 if (wall.vertices(0, 2) < 0.0)
                     throw InputError("there is no target");

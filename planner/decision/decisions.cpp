@@ -52,9 +52,15 @@ std::vector<std::size_t> compared_approaches(
     for (const std::size_t index : planned)
         if (std::ranges::count(decisions.compared, planned_case.approaches.at(index).name) > 0)
             compared.push_back(index);
-    if (compared.size() < kLeastCompared)
-        compared = planned;
-    compared.resize(std::min(compared.size(), kMostCompared));
+    if (compared.size() >= kLeastCompared) {
+        compared.resize(std::min(compared.size(), kMostCompared));
+        return compared;
+    }
+    compared.assign(planned.begin(), planned.begin() + std::min<std::ptrdiff_t>(std::ssize(planned), kMostCompared));
+    for (const std::size_t index : planned)
+        if (!decisions.choices.empty() && planned_case.approaches.at(index).name == decisions.choices.back().approach
+            && std::ranges::count(compared, index) == 0)
+            compared.back() = index; // the later ones in the case
     return compared;
 }
 

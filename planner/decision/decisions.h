@@ -83,8 +83,8 @@ void set_note(Decisions& decisions, const std::string& step, const std::string& 
 
 inline constexpr std::size_t kLeastCompared = 2, kMostCompared = 4;
 
-/// The planned approaches that stand side by side, by index: those that the team chose, at most kMostCompared. Where
-/// fewer than kLeastCompared of them are planned: the first ones.
+/// The planned approaches that stand side by side, by index: those that the team named, at most kMostCompared. Where
+/// fewer than kLeastCompared of them are planned: the first ones, with the one that is chosen for the patient.
 /// @param planned by index, in the order of the case
 std::vector<std::size_t> compared_approaches(
     const Case& planned_case, const std::vector<std::size_t>& planned, const Decisions& decisions);

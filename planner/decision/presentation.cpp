@@ -7,6 +7,7 @@
 #include "planner/measures/sight/finger_text.h"
 #include "planner/measures/verdict.h"
 
+#include <algorithm>
 #include <string_view>
 
 namespace retractor::planner {
@@ -105,9 +106,10 @@ namespace {
     }
 
     /// @param compared index of the approach of each field
+    /// @param others names of planned approaches that are not compared
     /// @return which approach shows most, where one leads beyond the error; and what is chosen
     std::string comparison_text(const Case& planned_case, const std::vector<std::size_t>& compared,
-        const std::vector<FieldMetrics>& fields, const Decisions& decisions)
+        const std::vector<FieldMetrics>& fields, const Decisions& decisions, const std::vector<std::string>& others)
     {
         std::string text = "No approach leads in what is seen by more than the error.";
         if (!have_one_target(fields))
@@ -118,6 +120,8 @@ namespace {
                     text = "The target is seen best through "
                         + spoken_name(planned_case.approaches.at(compared.at(*measure.leader))) + " ("
                         + percent(fields.at(*measure.leader).seen_best_eye) + ").";
+        if (!others.empty())
+            text += " Not shown here: " + joined(others) + ".";
         if (decisions.choices.empty())
             return text + " Nothing is chosen yet.";
         const Choice& choice = decisions.choices.back();
@@ -143,9 +147,13 @@ std::vector<PresentationStep> presentation_of(
         std::vector<FieldMetrics> fields;
         for (const std::size_t index : compared)
             fields.push_back(*known[index].field);
+        std::vector<std::string> others;
+        for (const std::size_t index : planned)
+            if (std::ranges::count(compared, index) == 0)
+                others.push_back(spoken_name(planned_case.approaches[index]));
         steps.push_back({ .view = PresentedView::comparison,
             .title = "Comparison",
-            .text = comparison_text(planned_case, compared, fields, decisions),
+            .text = comparison_text(planned_case, compared, fields, decisions, others),
             .compared = compared });
     }
     if (steps.empty())

@@ -167,6 +167,8 @@ void MainWindow::set_conference(bool on)
         notes_->close();
         model_->set_map(map_before_conference_);
         show_wall_as(wall_before_conference_);
+        if (has_own_camera(steps_[step_]))
+            shown_ = {};
         steps_.clear();
         was_maximized_ ? showMaximized() : showNormal();
         view_->unsetCursor();
@@ -256,18 +258,21 @@ void MainWindow::go_to_step(std::size_t number)
     show_step_in_notes();
     hand_out_work();
     show_all();
-    show_kept_view();
+    show_camera_of_step();
 }
 
-void MainWindow::show_kept_view()
+void MainWindow::show_camera_of_step()
 {
     if (!in_conference() || shown_.pictures == nullptr || !view_->is_drawn())
         return;
     const planner::PresentationStep& step = steps_[step_];
+    if (shown_.view != preset_of(step.view) || shown_.opened != shows_opened(step)) // a key has chosen another picture
+        return;
     if (step.kept)
         view_->set_camera(camera_of(*step.kept));
     else if (step.view == planner::PresentedView::cut)
-        view_->set_camera(planned_cut_camera(view_->scenes().front().camera, model_->approach(*step.approach)));
+        view_->set_camera(
+            planned_cut_camera(model_->shown_state().closed->patient.camera, model_->approach(*step.approach)));
 }
 
 void MainWindow::keep_view()
@@ -344,11 +349,17 @@ void MainWindow::read_decisions()
 }
 
 /// The choice is shown at once, and kept with the case where this window may write.
-void MainWindow::compare(std::size_t index, bool is_compared)
+void MainWindow::compare(std::size_t id, bool is_compared)
 {
-    const auto names = model_->compared_with(index, is_compared);
+    if (!model_)
+        return;
+    std::size_t index = 0; // the list may be another one since the click
+    while (index < model_->approach_count() && model_->id(index) != id)
+        ++index;
+    const auto names = index < model_->approach_count() ? model_->compared_with(index, is_compared) : std::nullopt;
     if (!names)
         return;
+    model_->set_alone(std::nullopt);
     planner::Decisions shown = model_->decisions();
     shown.compared = *names;
     model_->set_decisions(std::move(shown));
@@ -368,7 +379,8 @@ void MainWindow::change_decisions(std::function<void(planner::Decisions&)> chang
             change(*decisions);
             planner::write_decisions(file, *decisions);
             deliver = [this, decisions, message] {
-                model_->set_decisions(*decisions);
+                if (saving_ == 0) // a later change is shown already
+                    model_->set_decisions(*decisions);
                 show_all();
                 if (message.isNull())
                     show_message(QString::fromStdString(answers_text(*decisions)));

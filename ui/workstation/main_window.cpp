@@ -186,7 +186,7 @@ void MainWindow::make_panes()
     list_ = new ApproachList;
     view_ = new PictureView;
     panel_ = new MetricsPanel;
-    panel_->on_compare = [this](std::size_t index, bool is_compared) { compare(index, is_compared); };
+    panel_->on_compare = [this](std::size_t id, bool is_compared) { compare(id, is_compared); };
     view_->on_drawing_error = [this] { show_error({ view_->drawing_errors(), "drawing" }); };
     view_->on_slice_point = [this](const Vec3& point) { move_slices(point); };
     view_->on_space_click = [this](std::size_t scene, const planner::Ray& ray) { name_place(scene, ray); };
@@ -1239,7 +1239,7 @@ void MainWindow::show_picture()
         if (std::exchange(optics_deg_, -1.0) >= 0.0)
             clear_error(); // what was said of the endoscope
         view_->set_handle(blade_handle());
-        show_kept_view();
+        show_camera_of_step();
     } catch (...) {
         show_error(with_controls(current_failure()));
     }

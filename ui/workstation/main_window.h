@@ -184,8 +184,8 @@ private:
     std::vector<planner::PresentationStep> steps_now() const;
     void go_to_step(std::size_t step);
     void step_by(int steps);
-    /// From where the kept view of the present step looks.
-    void show_kept_view();
+    /// From where the present step looks, where it has a place of its own and its picture is shown.
+    void show_camera_of_step();
     void keep_view();
     void forget_view();
     /// More steps where pictures or plans have come meanwhile; the present step stays.
@@ -204,7 +204,7 @@ private:
     /// @param message afterwards; null: the means of the answers; empty: none
     void change_decisions(std::function<void(planner::Decisions&)> change, const QString& message);
     void read_decisions();
-    void compare(std::size_t index, bool is_compared);
+    void compare(std::size_t id, bool is_compared);
     void enlarge(std::size_t scene);
     void set_label_look(LabelLook look);
     // main_look.cpp

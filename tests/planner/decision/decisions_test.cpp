@@ -172,6 +172,10 @@ namespace decisions_test {
         EXPECT_EQ(compared({ 0, 1, 2 }, { "f", "b" }), (Indices { 0, 1, 2 })) << "f is not planned";
         EXPECT_EQ(compared({ 0, 1, 2, 3, 4, 5 }, { "a", "b", "c", "d", "e" }), (Indices { 0, 1, 2, 3 }));
         EXPECT_EQ(compared({ 4 }, {}), (Indices { 4 }));
+        Decisions chosen;
+        chosen.choices.push_back({ .approach = "f", .by = "A", .why = "b", .when = "c" });
+        EXPECT_EQ(compared_approaches(planned_case, { 0, 1, 2, 3, 5 }, chosen), (Indices { 0, 1, 2, 5 }))
+            << "what is chosen is shown";
         const test_support::TemporaryFolder folder;
         Decisions kept = some();
         kept.compared = { "f", "b" };

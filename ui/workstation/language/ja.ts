@@ -4076,6 +4076,10 @@
         <translation>まだ決めていません。</translation>
     </message>
     <message>
+        <source>Not shown here: %1.</source>
+        <translation>ここに示していないもの：%1。</translation>
+    </message>
+    <message>
         <source>There is no approach yet.</source>
         <translation>まだアプローチがありません。</translation>
     </message>

@@ -195,9 +195,9 @@ namespace {
             // Later: the panel makes its boxes anew.
             QObject::connect(
                 box, &QCheckBox::clicked, &panel,
-                [&panel, index](bool checked) {
+                [&panel, id = model.id(index)](bool checked) {
                     if (panel.on_compare)
-                        panel.on_compare(index, checked);
+                        panel.on_compare(id, checked);
                 },
                 Qt::QueuedConnection);
             column.addWidget(box);
@@ -297,8 +297,12 @@ void MetricsPanel::show_model(const SessionModel* model)
     comparison_shown_ = compares;
     shown_approach_ = approach;
     const int scrolled = same ? verticalScrollBar()->value() : 0;
+    const QWidget* const focused = widget() != nullptr ? widget()->focusWidget() : nullptr;
+    const QString name = focused != nullptr && focused->hasFocus() ? focused->objectName() : QString();
     setWidget(page);
     verticalScrollBar()->setValue(scrolled);
+    if (auto* again = name.isEmpty() ? nullptr : page->findChild<QWidget*>(name))
+        again->setFocus();
 }
 
 } // namespace retractor::ui

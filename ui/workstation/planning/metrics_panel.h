@@ -18,9 +18,9 @@ public:
     /// Shows the selected approach; empty without a model or a selection.
     void show_model(const SessionModel* model);
 
-    /// The user puts a planned approach into the comparison, or takes it out. Never to be called for a change that
-    /// SessionModel::compared_with() refuses.
-    std::function<void(std::size_t index, bool is_compared)> on_compare;
+    /// The user puts a planned approach into the comparison, or takes it out. Called later than the click, when the
+    /// approaches may be others. @param id SessionModel::id()
+    std::function<void(std::size_t id, bool is_compared)> on_compare;
 
 private:
     /// What is shown: the id of an approach, or the comparison. Something else begins at its top.

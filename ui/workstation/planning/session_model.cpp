@@ -261,6 +261,9 @@ std::optional<std::vector<std::string>> SessionModel::compared_with(std::size_t 
     std::vector<std::string> names;
     for (const std::size_t one : indices)
         names.push_back(approach(one).name);
+    for (std::size_t one = 0; one < approach_count(); ++one) // comes back with its plan
+        if (state(one).field == nullptr && std::ranges::count(decisions_.compared, approach(one).name) > 0)
+            names.push_back(approach(one).name);
     return names;
 }
 
@@ -584,7 +587,8 @@ Scene SessionModel::looked_into(Scene scene) const
             if (std::none_of(scene.surfaces.begin(), scene.surfaces.end(),
                     [&](const SurfaceItem& item) { return item.name == organ.name; }))
                 scene.surfaces.push_back(organ);
-    if (const auto& closed = shown_state().closed; inside && !opened_shown() && closed != nullptr && closed->cut)
+    if (const auto& closed = shown_state().closed;
+        wall_look_ != WallLook::solid && !opened_shown() && closed != nullptr && closed->cut)
         scene.surfaces.push_back(*closed->cut);
     if (const auto& place = shown_state().slice_point; place && is_drawn_on(shown_view())) // slices show it themselves
         for (const LineItem& line : mark_at(*place, kMarkMm))

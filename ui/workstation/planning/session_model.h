@@ -176,7 +176,8 @@ public:
     std::vector<std::size_t> planned() const;
     /// Those of them that stand side by side; see planner::compared_approaches().
     std::vector<std::size_t> compared() const;
-    /// The names of the compared approaches when one comes or goes; nothing: there would be too few or too many.
+    /// The names of the compared approaches when one comes or goes, with those that wait for a plan; nothing: there
+    /// would be too few or too many.
     std::optional<std::vector<std::string>> compared_with(std::size_t index, bool is_compared) const;
 
     /// One picture of several that fills the view, by its place among them; nothing: all. Another view shows all again.

@@ -218,6 +218,27 @@ namespace conference_window_test {
         EXPECT_EQ(window_.model()->wall_look(), WallLook::hidden);
     }
 
+    TEST_F(ConferenceTest, AKeyThatChoosesAnotherPictureThanTheStepsLeavesItsCamera)
+    {
+        open_synthetic();
+        plan("median");
+        press(Qt::Key_1);
+        const Camera surgeon = window_.view().camera();
+        press(Qt::Key_F5);
+        press(Qt::Key_Right);
+        ASSERT_NE(title().find("what is cut"), std::string::npos);
+        const Camera turned = window_.view().camera();
+        const Vec3 outside = window_.model()->shown_state().closed->patient.camera.eye;
+        EXPECT_GT((turned.eye - outside).norm(), 50.0) << "seen from the side";
+        press(Qt::Key_1);
+        EXPECT_LT((window_.view().camera().eye - surgeon.eye).norm(), 1e-6);
+        press(Qt::Key_Left);
+        press(Qt::Key_Right);
+        EXPECT_LT((window_.view().camera().eye - turned.eye).norm(), 1e-6);
+        press(Qt::Key_Escape);
+        EXPECT_LT((window_.view().camera().eye - outside).norm(), 1e-6);
+    }
+
     TEST_F(ConferenceTest, WhatIsComparedIsChosenAndKept)
     {
         const test_support::TemporaryFolder folder;
@@ -237,16 +258,21 @@ namespace conference_window_test {
             QCoreApplication::processEvents();
             test_support::wait_until_idle(window_);
         };
+        const std::string copy = window_.model()->approach(*window_.model()->selected()).name;
         click_box("lateral");
         ASSERT_EQ(window_.view().scenes().size(), 2U);
-        EXPECT_EQ(window_.view().scenes()[1].title.substr(0, 1), "B");
+        EXPECT_EQ(window_.view().scenes()[0].title, "A  median");
+        EXPECT_NE(window_.view().scenes()[1].title, "B  lateral");
         EXPECT_FALSE(window_.findChild<QCheckBox*>("compare-median")->isEnabled()) << "two at least";
-        EXPECT_EQ(planner::read_decisions(planner::decisions_file(planned_case)).compared.size(), 2U)
+        EXPECT_EQ(planner::read_decisions(planner::decisions_file(planned_case)).compared,
+            (std::vector<std::string> { "median", copy }))
             << window_.error_line();
         window_.save_screenshot(picture_file(folder, "window-two-of-three.png"));
         press(Qt::Key_F5);
         press(Qt::Key_End);
         EXPECT_EQ(window_.view().scenes().size(), 2U) << "the conference shows the same";
+        EXPECT_NE(window_.conference_bar().text().indexOf("Not shown here: lateral."), -1)
+            << window_.conference_bar().text().toStdString();
         press(Qt::Key_Escape);
         click_box("lateral");
         EXPECT_EQ(window_.view().scenes().size(), 3U);

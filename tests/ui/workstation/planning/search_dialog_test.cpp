@@ -3,6 +3,7 @@
 #include "ui/workstation/planning/search_dialog.h"
 
 #include "tests/support/synthetic_patient.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/window_help.h"
 #include "tests/support/window_pictures.h"
 #include "ui/workstation/main_window.h"
@@ -20,7 +21,6 @@
 #include <QTableWidget>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 
 namespace retractor::ui {
@@ -81,8 +81,8 @@ namespace search_dialog_test {
         EXPECT_TRUE(table->item(0, 0)->text().contains("Left space 4")) << table->item(0, 0)->text().toStdString();
         EXPECT_EQ(table->item(0, 2)->text(), "46 %");
         EXPECT_EQ(window_.approach_list().count(), 3) << "nothing is taken yet";
-        EXPECT_TRUE(test_support::keep_picture(
-            dialog(), test_support::picture_file(std::filesystem::temp_directory_path(), "dialog-search.png")));
+        const test_support::TemporaryFolder folder;
+        EXPECT_TRUE(test_support::keep_picture(dialog(), test_support::picture_file(folder.path, "dialog-search.png")));
         table->item(1, 0)->setCheckState(Qt::Checked);
         click("Add to the case");
         wait_until_gone();

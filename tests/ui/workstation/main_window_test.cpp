@@ -1,8 +1,8 @@
 // The window under a virtual display, driven by mouse and keyboard events.
 
 #include "tests/support/synthetic_patient.h"
-#include "tests/support/window_help.h"
-#include "tests/support/window_pictures.h"
+#include "tests/support/window/window_help.h"
+#include "tests/support/window/window_pictures.h"
 
 #include "datasets/io/volume_io.h"
 #include "datasets/phantoms/elastic_model.h"

@@ -1,10 +1,10 @@
 // The conference, enlarged pictures, labels on slices and the log, by mouse and keyboard events.
 
-#include "tests/support/dialog_help.h"
 #include "tests/support/synthetic_patient.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/support/window_help.h"
-#include "tests/support/window_pictures.h"
+#include "tests/support/window/dialog_help.h"
+#include "tests/support/window/window_help.h"
+#include "tests/support/window/window_pictures.h"
 
 #include "ui/workstation/conference/notes_window.h"
 #include "ui/workstation/help/manual_window.h"

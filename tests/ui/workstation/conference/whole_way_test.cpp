@@ -3,10 +3,10 @@
 // kept where RETRACTOR_PICTURES says, to be looked at.
 
 #include "tests/support/block_case.h"
-#include "tests/support/dialog_help.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/support/window_help.h"
-#include "tests/support/window_pictures.h"
+#include "tests/support/window/dialog_help.h"
+#include "tests/support/window/window_help.h"
+#include "tests/support/window/window_pictures.h"
 
 #include "datasets/io/volume_io.h"
 #include "datasets/phantoms/phantom.h"

@@ -1,7 +1,7 @@
 // The knife in the window, driven by mouse and keyboard events. main() is in main_window_test.cpp.
 
 #include "tests/support/synthetic_patient.h"
-#include "tests/support/window_help.h"
+#include "tests/support/window/window_help.h"
 
 #include "datasets/io/volume_io.h"
 #include "datasets/phantoms/phantom.h"

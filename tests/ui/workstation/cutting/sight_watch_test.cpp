@@ -1,7 +1,7 @@
 #include "ui/workstation/cutting/sight_watch.h"
 
 #include "mesh/base/error.h"
-#include "tests/support/window_help.h"
+#include "tests/support/window/window_help.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Labels corrected in the window, by mouse and keyboard events, on a case on disk.
 
 #include "tests/support/temporary_folder.h"
-#include "tests/support/window_help.h"
+#include "tests/support/window/window_help.h"
 
 #include "datasets/io/volume_io.h"
 #include "mesh/base/error.h"

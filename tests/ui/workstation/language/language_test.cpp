@@ -3,7 +3,7 @@
 #include "ui/workstation/language/language.h"
 
 #include "tests/support/synthetic_patient.h"
-#include "tests/support/window_help.h"
+#include "tests/support/window/window_help.h"
 
 #include "mesh/base/error.h"
 #include "planner/decision/decisions.h"

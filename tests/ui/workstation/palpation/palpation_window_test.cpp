@@ -1,7 +1,7 @@
 // Palpation in its window, driven by mouse and keyboard events. main() is in main_window_test.cpp.
 
 #include "tests/planner/session/touchable_tube.h"
-#include "tests/support/window_help.h"
+#include "tests/support/window/window_help.h"
 
 #include "datasets/phantoms/palpation_scene_file.h"
 #include "haptics/recording/motion_file.h"

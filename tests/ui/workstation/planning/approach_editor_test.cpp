@@ -1,7 +1,7 @@
 // Incisions are drawn, moved and taken back in the window with the mouse.
 
 #include "tests/support/synthetic_patient.h"
-#include "tests/support/window_help.h"
+#include "tests/support/window/window_help.h"
 
 #include "mesh/base/error.h"
 #include "planner/case/case_io.h"

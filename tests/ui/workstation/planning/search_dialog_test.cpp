@@ -4,8 +4,8 @@
 
 #include "tests/support/synthetic_patient.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/support/window_help.h"
-#include "tests/support/window_pictures.h"
+#include "tests/support/window/window_help.h"
+#include "tests/support/window/window_pictures.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/planning/weights_dialog.h"

@@ -1,6 +1,6 @@
 #include "tests/support/synthetic_patient.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/support/window_help.h"
+#include "tests/support/window/window_help.h"
 
 #include "planner/case/case_io.h"
 #include "ui/workstation/main_window.h"

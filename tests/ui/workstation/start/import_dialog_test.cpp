@@ -1,6 +1,6 @@
 // A study is imported in the window: series, labels, refusals, the case that comes of it.
 
-#include "tests/support/window_help.h"
+#include "tests/support/window/window_help.h"
 
 #include "datasets/dicom/dicom.h"
 #include "datasets/io/volume_io.h"

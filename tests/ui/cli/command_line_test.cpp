@@ -540,7 +540,7 @@ TEST_F(CommandLine, HowWoundsAreSolvedIsChosenInTheCaseOrByOption)
     EXPECT_EQ(solution.at("near_mm"), 20.0);
     EXPECT_EQ(solution.at("laws").at("fat"), "neo-Hookean");
     for (const char* contradiction : { " --near 20", " --element p1 --near 20 --contact",
-             " --element p1 --near 20 --elasticity linear", " --check" })
+             " --element p1 --near 20 --elasticity linear", " --check", " --draft --element p2" })
         EXPECT_EQ(run(plan + contradiction).exit_code, 2) << contradiction;
     EXPECT_EQ(run(plan + " --element p3").exit_code, 2);
     std::ofstream(case_file()) << kept;

@@ -200,7 +200,9 @@ namespace {
         planner::SolverSettings& solution = planned_case.solution; // settings without an option stay as in the case
         if (!options.elasticity.empty())
             solution.elasticity = planner::elasticity_from_string(options.elasticity).value();
-        if (!options.element.empty() && !options.draft) // a draft has elements and sizes of its own
+        if (!options.element.empty() && options.draft)
+            throw InputError("a draft has elements of its own: leave out --draft or --element", "--element");
+        if (!options.element.empty())
             solution.element = planner::element_from_string(options.element).value();
         solution.near_mm = options.near_mm.value_or(solution.near_mm);
         if (options.draft) {

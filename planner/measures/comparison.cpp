@@ -151,8 +151,11 @@ namespace {
 
 } // namespace
 
-std::vector<std::string> sight_order_sentences(const std::vector<FieldMetrics>& fields)
+std::vector<std::string> sight_order_sentences(
+    const std::vector<FieldMetrics>& fields, std::vector<std::string> letters)
 {
+    for (std::size_t n = letters.size(); n < fields.size(); ++n)
+        letters.push_back(compared_letter(n));
     constexpr double kSampling = 0.01; // a lead within the error of the samples is none
     std::vector<double> seen;
     const FieldMetrics* first = nullptr;
@@ -177,8 +180,8 @@ std::vector<std::string> sight_order_sentences(const std::vector<FieldMetrics>& 
     for (const SightCondition& condition : sight_conditions(fields, *first)) {
         const std::size_t other = best_of(condition.seen);
         if (condition.seen[other] > condition.seen[best] + kSampling)
-            sentences.push_back("With " + condition.words + ", " + compared_letter(other)
-                + formatted(" shows most (%.0f %%), not ", 100.0 * condition.seen[other]) + compared_letter(best)
+            sentences.push_back("With " + condition.words + ", " + letters[other]
+                + formatted(" shows most (%.0f %%), not ", 100.0 * condition.seen[other]) + letters[best]
                 + formatted(" (%.0f %%).", 100.0 * condition.seen[best]));
         else if (condition.seen[best] > kSampling)
             same.emplace_back(condition.seen[best], condition.words);
@@ -187,7 +190,7 @@ std::vector<std::string> sight_order_sentences(const std::vector<FieldMetrics>& 
         return sentences;
     const auto [least, most] = std::minmax_element(same.begin(), same.end());
     const auto part = [](const auto& one) { return formatted("%.0f %% with ", 100.0 * one.first) + one.second; };
-    sentences.push_back(compared_letter(best) + " shows most also when organs or lungs lie otherwise"
+    sentences.push_back(letters[best] + " shows most also when organs or lungs lie otherwise"
         + (least == most ? ": " + part(*least) : ": from " + part(*least) + " to " + part(*most)) + ".");
     return sentences;
 }

@@ -57,7 +57,14 @@ inline constexpr std::string_view kDifferentTargets
 /// sentence for each condition under which another one shows most, or one sentence with the least and the most that the
 /// same approach shows. Empty where the fields have different targets, fewer than two of them are solved, none leads,
 /// or no condition was measured.
-std::vector<std::string> sight_order_sentences(const std::vector<FieldMetrics>& fields);
+/// @param letters of the fields; empty: as compared_letter()
+std::vector<std::string> sight_order_sentences(
+    const std::vector<FieldMetrics>& fields, std::vector<std::string> letters = {});
+
+/// What the shares of the target that are seen are shares of, for people.
+inline constexpr std::string_view kSharesAreOf
+    = "What the best eye sees is a share of what an eye would see with the wall removed; what the eyes of the cone see "
+      "is a share of the target's whole area, and so may be smaller.";
 
 /// Letter of the n-th field, the same in pictures and tables: "A", "B".
 std::string compared_letter(std::size_t n);

@@ -4076,6 +4076,34 @@
         <translation>まだ決めていません。</translation>
     </message>
     <message>
+        <source>%1: No objection.</source>
+        <translation>%1：問題なし。</translation>
+    </message>
+    <message>
+        <source>%1: Caution.</source>
+        <translation>%1：注意。</translation>
+    </message>
+    <message>
+        <source>%1: Objection.</source>
+        <translation>%1：不可。</translation>
+    </message>
+    <message>
+        <source>%1: Not usable.</source>
+        <translation>%1：使えません。</translation>
+    </message>
+    <message>
+        <source>The picture is not that of this step.</source>
+        <translation>この画像はこの場面のものではありません。</translation>
+    </message>
+    <message>
+        <source>Two to four stand side by side.</source>
+        <translation>並べるのは 2～4 です。</translation>
+    </message>
+    <message>
+        <source>A lung that keeps %1 % of its volume leaves nothing of the %2 in sight.</source>
+        <translation>肺が体積の %1 % を保つと、%2はまったく見えません。</translation>
+    </message>
+    <message>
         <source>Not shown here: %1.</source>
         <translation>ここに示していないもの：%1。</translation>
     </message>

@@ -1,5 +1,7 @@
 #include "ui/workstation/planning/comparison_chart.h"
 
+#include "mesh/base/assert.h"
+
 #include "ui/workstation/language/language.h"
 
 #include <QHelpEvent>
@@ -9,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace retractor::ui {
 
@@ -60,8 +63,10 @@ ComparisonChart::ComparisonChart(QWidget* parent)
     setAccessibleName("Comparison of the planned approaches");
 }
 
-void ComparisonChart::show_fields(const std::vector<planner::FieldMetrics>& fields)
+void ComparisonChart::show_fields(const std::vector<planner::FieldMetrics>& fields, std::vector<std::size_t> places)
 {
+    RETRACTOR_ASSERT(places.size() == fields.size());
+    places_ = std::move(places);
     measures_ = planner::compared_measures(fields);
     int height = 0;
     QString spoken;
@@ -69,7 +74,8 @@ void ComparisonChart::show_fields(const std::vector<planner::FieldMetrics>& fiel
         height += height_of(measure);
         spoken += QString(measure.metric->caption) + ":";
         for (std::size_t n = 0; n < measure.numbers.size(); ++n)
-            spoken += " " + QString::fromStdString(planner::compared_letter(n)) + " " + text_of(measure, n) + ";";
+            spoken
+                += " " + QString::fromStdString(planner::compared_letter(places_[n])) + " " + text_of(measure, n) + ";";
         spoken += "\n";
     }
     setAccessibleDescription(spoken);
@@ -94,12 +100,12 @@ void ComparisonChart::paintEvent(QPaintEvent*)
             QFont font = painter.font();
             font.setBold(leads);
             painter.setFont(font);
-            painter.setPen(compared_color(n));
+            painter.setPen(compared_color(places_[n]));
             painter.drawText(QRectF(0.0, y, left, kRowHeight), Qt::AlignVCenter,
-                QString::fromStdString(planner::compared_letter(n)));
+                QString::fromStdString(planner::compared_letter(places_[n])));
             const planner::ComparedNumber& number = measure.numbers[n];
             const double end = left + scale * std::abs(number.value), middle = y + kRowHeight / 2.0;
-            painter.fillRect(QRectF(left, middle - 5.0, end - left, 10.0), compared_color(n));
+            painter.fillRect(QRectF(left, middle - 5.0, end - left, 10.0), compared_color(places_[n]));
             if (number.bar) {
                 const double reach = scale * *number.bar;
                 painter.setPen(QPen(kText, 1.5));

@@ -8,6 +8,7 @@
 #include <QString>
 #include <QWidget>
 
+#include <cstddef>
 #include <vector>
 
 namespace retractor::ui {
@@ -19,7 +20,8 @@ class ComparisonChart : public QWidget {
 public:
     explicit ComparisonChart(QWidget* parent = nullptr);
 
-    void show_fields(const std::vector<planner::FieldMetrics>& fields);
+    /// @param places of the fields among all planned ones: they give letters and colours
+    void show_fields(const std::vector<planner::FieldMetrics>& fields, std::vector<std::size_t> places);
 
 protected:
     void paintEvent(QPaintEvent* event) override;
@@ -27,6 +29,7 @@ protected:
 
 private:
     std::vector<planner::ComparedMeasure> measures_;
+    std::vector<std::size_t> places_;
 };
 
 } // namespace retractor::ui

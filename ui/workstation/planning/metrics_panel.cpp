@@ -191,6 +191,11 @@ namespace {
             auto* box = new QCheckBox(lines.join("\n"));
             box->setObjectName("compare-" + QString::fromStdString(model.approach(index).name));
             box->setChecked(is_compared);
+            QPalette colors = box->palette(); // an empty box must show
+            colors.setColor(QPalette::Base, QColor(0x4a, 0x53, 0x5c));
+            box->setPalette(colors);
+            if (!model.compared_with(index, !is_compared))
+                box->setToolTip(translated(QString("Two to four stand side by side.")));
             box->setEnabled(model.compared_with(index, !is_compared).has_value());
             // Later: the panel makes its boxes anew.
             QObject::connect(
@@ -209,11 +214,15 @@ namespace {
     {
         std::vector<planner::FieldMetrics> fields;
         std::vector<planner::Candidate> candidates;
+        std::vector<std::size_t> places;
+        std::vector<std::string> letters;
         const std::vector<std::size_t> compared = model.compared();
         for (const std::size_t index : compared) {
             const FieldPictures& field = *model.state(index).field;
             fields.push_back(field.metrics);
             candidates.push_back({ .field = field.metrics, .divided_bones = field.divided_bones });
+            places.push_back(model.place_of(index));
+            letters.push_back(planner::compared_letter(places.back()));
         }
         const bool one_target = planner::have_one_target(fields);
         const std::vector<planner::RankedField> order
@@ -222,9 +231,8 @@ namespace {
             const planner::Verdict verdict = planner::verdict_of(fields[n]);
             const LightLook look = light_look(verdict.light);
             column.addSpacing(6);
-            column.addWidget(
-                label(planner::compared_letter(n) + "  " + planner::spoken_name(model.approach(compared[n])),
-                    QString("color: %1;").arg(compared_color(n).name()), 11.0, true));
+            column.addWidget(label(letters[n] + "  " + planner::spoken_name(model.approach(compared[n])),
+                QString("color: %1;").arg(compared_color(places[n]).name()), 11.0, true));
             column.addWidget(
                 label(std::string("\u25cf  ") + look.word, QString("color: %1;").arg(look.color), 10.0, true));
             if (!verdict.sentences.empty())
@@ -238,7 +246,7 @@ namespace {
         }
         column.addSpacing(10);
         auto* chart = new ComparisonChart;
-        chart->show_fields(fields);
+        chart->show_fields(fields, places);
         column.addWidget(chart);
         column.addWidget(label("Green: better than every other by more than both errors together.", kFaint));
         if (!one_target)
@@ -246,10 +254,9 @@ namespace {
         column.addSpacing(10);
         column.addWidget(label("Think of this first", "color: white;", 11.0, true));
         for (std::size_t n = 0; n < candidates.size(); ++n)
-            column.addWidget(label(
-                planner::compared_letter(n) + ": " + translated(planner::crisis_text(candidates[n])).toStdString(),
-                QString("color: %1;").arg(compared_color(n).name())));
-        for (const std::string& sentence : planner::sight_order_sentences(fields))
+            column.addWidget(label(letters[n] + ": " + translated(planner::crisis_text(candidates[n])).toStdString(),
+                QString("color: %1;").arg(compared_color(places[n]).name())));
+        for (const std::string& sentence : planner::sight_order_sentences(fields, letters))
             column.addWidget(label(sentence, "color: #d7dde2;"));
     }
 

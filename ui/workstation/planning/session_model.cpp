@@ -250,6 +250,12 @@ std::vector<std::size_t> SessionModel::compared() const
     return planner::compared_approaches(case_, planned(), decisions_);
 }
 
+std::size_t SessionModel::place_of(std::size_t index) const
+{
+    const std::vector<std::size_t> all = planned();
+    return static_cast<std::size_t>(std::ranges::find(all, index) - all.begin());
+}
+
 std::optional<std::vector<std::string>> SessionModel::compared_with(std::size_t index, bool is_compared) const
 {
     std::vector<std::size_t> indices = compared();
@@ -614,7 +620,7 @@ std::vector<Scene> SessionModel::compared_scenes() const
 {
     std::vector<Scene> scenes;
     for (const std::size_t index : compared()) {
-        const std::string letter = planner::compared_letter(scenes.size());
+        const std::string letter = planner::compared_letter(place_of(index));
         const FieldPictures& field = *state(index).field;
         scenes.push_back(mapped(field, field.surgeon));
         scenes.back().title = letter + "  " + planner::spoken_name(approach(index));

@@ -176,6 +176,9 @@ public:
     std::vector<std::size_t> planned() const;
     /// Those of them that stand side by side; see planner::compared_approaches().
     std::vector<std::size_t> compared() const;
+    /// Its place among all planned approaches, which gives its letter and colour wherever it is compared.
+    /// @pre it is planned
+    std::size_t place_of(std::size_t index) const;
     /// The names of the compared approaches when one comes or goes, with those that wait for a plan; nothing: there
     /// would be too few or too many.
     std::optional<std::vector<std::string>> compared_with(std::size_t index, bool is_compared) const;

@@ -74,9 +74,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
     /// Explains the marks, and how certain the shares without a bar of their own are.
     void write_reading(std::ostream& out, const std::vector<FieldMetrics>& fields)
     {
-        out << "<p class=\"reading\">What the best eye sees is a share of what an eye would see with the wall removed; "
-               "what "
-               "the eyes of the cone see is a share of the target's whole area, and so may be smaller. Green: better "
+        out << "<p class=\"reading\">" << kSharesAreOf
+            << " Green: better "
                "than every other approach by more than both error bars together. "
                "Without a mark the lead is within the error, or the error is unknown. The other shares of the target "
                "have no error bars of their own: they are at least as uncertain as the opening, whose bar is ";

@@ -93,7 +93,7 @@ namespace {
             for (std::size_t n = 0; n < marked.metrics.size(); ++n)
                 rows.back().push_back(cell(measure, n, marked));
         }
-        return aligned(rows)
+        return aligned(rows) + std::string(planner::kSharesAreOf) + "\n"
             + (marked.marks == Marks::leader ? "* better than every other by more than both errors together\n"
                                              : "+ better than A by more than both errors together, - worse\n");
     }
@@ -206,8 +206,7 @@ planner::Weights parse_weights(const std::vector<std::string>& changes)
         const auto found = std::ranges::find_if(
             planner::criteria(), [&](const planner::Criterion& criterion) { return criterion.key == key; });
         if (equals == std::string::npos || found == planner::criteria().end())
-            throw InputError(
-                "a weight is CRITERION=NUMBER; the criteria are " + planner::weights_text(weights),
+            throw InputError("a weight is CRITERION=NUMBER; the criteria are " + planner::weights_text(weights),
                 "--weights " + change);
         const double weight = parse_numbers(change.substr(equals + 1), 1, "--weights " + change).front();
         if (weight < 0.0)

@@ -60,8 +60,8 @@ namespace {
     {
         if (const std::string why = why_not_to_use(field); !why.empty())
             return why;
-        std::string text
-            = "The best eye sees " + percent(field.seen_best_eye) + " of the " + readable(field.target) + ".";
+        std::string text = "The best eye sees " + percent(field.seen_best_eye) + " of what an eye would see of the "
+            + readable(field.target) + " with the wall removed.";
         if (!field.best_eye.hidden_by.empty()) {
             const SightBlocker& most = field.best_eye.hidden_by.front();
             text += " Most is hidden by " + readable(most.name) + " (" + percent(most.share) + ").";
@@ -105,11 +105,22 @@ namespace {
                 steps.push_back({ PresentedView::kept, index, spoken_name(approach) + ": " + view.name, {}, view });
     }
 
+    /// What speaks against a plan most: "B: Objection. Rib 4 on the left would break from 28 mm on."
+    std::string worst_of(const std::string& letter, const FieldMetrics& field)
+    {
+        const Verdict verdict = verdict_of(field);
+        std::string text = letter + ": " + words_of(verdict.light) + ".";
+        if (verdict.light != Light::clear && !verdict.sentences.empty())
+            text += " " + verdict.sentences.front();
+        return text;
+    }
+
     /// @param compared index of the approach of each field
-    /// @param others names of planned approaches that are not compared
-    /// @return which approach shows most, where one leads beyond the error; and what is chosen
+    /// @param planned indices of all planned approaches
+    /// @return which approach shows most, where one leads beyond the error; what speaks against each; and what is
+    /// chosen
     std::string comparison_text(const Case& planned_case, const std::vector<std::size_t>& compared,
-        const std::vector<FieldMetrics>& fields, const Decisions& decisions, const std::vector<std::string>& others)
+        const std::vector<FieldMetrics>& fields, const Decisions& decisions, const std::vector<std::size_t>& planned)
     {
         std::string text = "No approach leads in what is seen by more than the error.";
         if (!have_one_target(fields))
@@ -120,6 +131,15 @@ namespace {
                     text = "The target is seen best through "
                         + spoken_name(planned_case.approaches.at(compared.at(*measure.leader))) + " ("
                         + percent(fields.at(*measure.leader).seen_best_eye) + ").";
+        std::vector<std::string> others;
+        for (std::size_t place = 0; place < planned.size(); ++place) {
+            const auto shown = std::ranges::find(compared, planned[place]);
+            if (shown == compared.end())
+                others.push_back(spoken_name(planned_case.approaches[planned[place]]));
+            else
+                text += " "
+                    + worst_of(compared_letter(place), fields[static_cast<std::size_t>(shown - compared.begin())]);
+        }
         if (!others.empty())
             text += " Not shown here: " + joined(others) + ".";
         if (decisions.choices.empty())
@@ -147,13 +167,9 @@ std::vector<PresentationStep> presentation_of(
         std::vector<FieldMetrics> fields;
         for (const std::size_t index : compared)
             fields.push_back(*known[index].field);
-        std::vector<std::string> others;
-        for (const std::size_t index : planned)
-            if (std::ranges::count(compared, index) == 0)
-                others.push_back(spoken_name(planned_case.approaches[index]));
         steps.push_back({ .view = PresentedView::comparison,
             .title = "Comparison",
-            .text = comparison_text(planned_case, compared, fields, decisions, others),
+            .text = comparison_text(planned_case, compared, fields, decisions, planned),
             .compared = compared });
     }
     if (steps.empty())

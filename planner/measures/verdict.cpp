@@ -54,8 +54,10 @@ namespace {
                 least = &lung;
         if (least != nullptr)
             say(said, Light::caution,
-                formatted("A lung that keeps %.0f %% of its volume leaves only ", 100.0 * least->lung_share)
-                    + two_digits(100.0 * least->seen_best_eye) + " % of the " + target + " in sight.");
+                formatted("A lung that keeps %.0f %% of its volume leaves ", 100.0 * least->lung_share)
+                    + (least->seen_best_eye < kNotSeen ? "nothing"
+                                                       : "only " + two_digits(100.0 * least->seen_best_eye) + " %")
+                    + " of the " + target + " in sight.");
     }
 
     void say_opening(const FieldMetrics& field, Sentences& said)

@@ -69,6 +69,8 @@ namespace presentation_test {
         EXPECT_EQ(steps[6].approach, 1U);
         EXPECT_EQ(steps.back().compared, (std::vector<std::size_t> { 0, 1 }));
         EXPECT_NE(steps.back().text.find("Nothing is chosen yet."), std::string::npos);
+        EXPECT_NE(steps.back().text.find(" A: "), std::string::npos) << "what speaks against each: " << steps.back().text;
+        EXPECT_NE(steps.back().text.find(" B: "), std::string::npos) << steps.back().text;
     }
 
     TEST(Presentation, OneOrNoPlanIsNotCompared)

@@ -160,6 +160,8 @@ void MainWindow::set_conference(bool on)
         step_ = 0;
         map_before_conference_ = model_->map();
         wall_before_conference_ = model_->wall_look();
+        view_before_conference_ = model_->view();
+        opened_before_conference_ = model_->show_opened();
         was_maximized_ = isMaximized();
         showFullScreen();
         view_->setCursor(pointer());
@@ -167,6 +169,8 @@ void MainWindow::set_conference(bool on)
         notes_->close();
         model_->set_map(map_before_conference_);
         show_wall_as(wall_before_conference_);
+        model_->set_view(view_before_conference_);
+        model_->set_show_opened(opened_before_conference_);
         if (has_own_camera(steps_[step_]))
             shown_ = {};
         steps_.clear();
@@ -266,8 +270,10 @@ void MainWindow::show_camera_of_step()
     if (!in_conference() || shown_.pictures == nullptr || !view_->is_drawn())
         return;
     const planner::PresentationStep& step = steps_[step_];
-    if (shown_.view != preset_of(step.view) || shown_.opened != shows_opened(step)) // a key has chosen another picture
+    if (shown_.view != preset_of(step.view) || shown_.opened != shows_opened(step)) { // a key has chosen another one
+        conference_bar_->show_note(translated(QString("The picture is not that of this step.")));
         return;
+    }
     if (step.kept)
         view_->set_camera(camera_of(*step.kept));
     else if (step.view == planner::PresentedView::cut)

@@ -254,11 +254,23 @@ void MainWindow::drag_blade(const Vec3& place, bool last)
     view_->set_handle(blade_handle());
 }
 
+/// Selects an approach by its place among the compared pictures, which stay.
+void MainWindow::select_compared(std::size_t place)
+{
+    const std::vector<std::size_t> compared = model_->compared();
+    if (place >= compared.size() || in_conference() || model_->selected() == compared[place])
+        return;
+    model_->select(compared[place]);
+    show_all();
+}
+
 /// Says what was clicked in space, and marks it where it lies as in the CT.
 void MainWindow::name_place(std::size_t scene, const planner::Ray& ray)
 {
     if (!model_ || knife_->scene() != nullptr || shown_ != model_->shown_source())
         return;
+    if (model_->shown_view() == ViewPreset::compare) // what is chosen with Shift+C
+        select_compared(model_->alone().value_or(scene));
     const auto picked = pick(view_->scenes().at(scene), ray.origin, ray.direction);
     if (!picked)
         return show_message({});

@@ -224,6 +224,7 @@ private:
     std::optional<FieldMapKind> map_of_step(const planner::PresentationStep& step) const;
     WallLook wall_of_step(const planner::PresentationStep& step) const;
     void show_wall_as(WallLook look);
+    void select_compared(std::size_t place);
     void open_manual();
     bool labels_tab_open() const;
     /// Gives the mouse to the brush on the slices.
@@ -339,6 +340,8 @@ private:
     QToolBar* tool_bar_ = nullptr;
     std::optional<FieldMapKind> map_before_conference_ {}; ///< shown again behind the conference
     WallLook wall_before_conference_ = WallLook::solid; ///< as map_before_conference_
+    ViewPreset view_before_conference_ = ViewPreset::surgeon; ///< the same
+    bool opened_before_conference_ = true; ///< the same
     StepBar* conference_bar_ = nullptr;
     std::vector<planner::PresentationStep> steps_; ///< of the conference; empty: there is none
     std::size_t step_ = 0;

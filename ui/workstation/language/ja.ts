@@ -4016,10 +4016,6 @@
         <translation>皮下で胸骨を横断します。</translation>
     </message>
     <message>
-        <source>The best eye sees %1 of the %2.</source>
-        <translation>最良の目に%2の %1 が見えます。</translation>
-    </message>
-    <message>
         <source>Most is hidden by %1 (%2).</source>
         <translation>最も多くを隠すのは%1（%2）です。</translation>
     </message>
@@ -4076,6 +4072,10 @@
         <translation>まだ決めていません。</translation>
     </message>
     <message>
+        <source>Not shown here: %1.</source>
+        <translation>ここに示していないもの：%1。</translation>
+    </message>
+    <message>
         <source>%1: No objection.</source>
         <translation>%1：問題なし。</translation>
     </message>
@@ -4102,10 +4102,6 @@
     <message>
         <source>A lung that keeps %1 % of its volume leaves nothing of the %2 in sight.</source>
         <translation>肺が体積の %1 % を保つと、%2はまったく見えません。</translation>
-    </message>
-    <message>
-        <source>Not shown here: %1.</source>
-        <translation>ここに示していないもの：%1。</translation>
     </message>
     <message>
         <source>There is no approach yet.</source>

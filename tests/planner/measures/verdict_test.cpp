@@ -89,6 +89,9 @@ namespace verdict_test {
             says(verdict, "A lung that keeps 50 % of its volume leaves only 12 % of the left atrium in sight."));
         field.if_lung_keeps[1].seen_best_eye = 0.6 * field.seen_best_eye;
         EXPECT_EQ(verdict_of(field).light, Light::clear);
+        field.if_lung_keeps[1].seen_best_eye = 0.001;
+        EXPECT_TRUE(says(
+            verdict_of(field), "A lung that keeps 50 % of its volume leaves nothing of the left atrium in sight."));
     }
 
     TEST(Verdict, TheForceHasBothIntervals)

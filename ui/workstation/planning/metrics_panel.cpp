@@ -193,6 +193,8 @@ namespace {
             box->setChecked(is_compared);
             QPalette colors = box->palette(); // an empty box must show
             colors.setColor(QPalette::Base, QColor(0x4a, 0x53, 0x5c));
+            for (const QPalette::ColorRole role : { QPalette::Text, QPalette::WindowText })
+                colors.setColor(QPalette::Disabled, role, QColor(0xa4, 0xad, 0xb5));
             box->setPalette(colors);
             if (!model.compared_with(index, !is_compared))
                 box->setToolTip(translated(QString("Two to four stand side by side.")));

@@ -270,15 +270,17 @@ void MainWindow::show_camera_of_step()
     if (!in_conference() || shown_.pictures == nullptr || !view_->is_drawn())
         return;
     const planner::PresentationStep& step = steps_[step_];
-    if (shown_.view != preset_of(step.view) || shown_.opened != shows_opened(step)) { // a key has chosen another one
-        conference_bar_->show_note(translated(QString("The picture is not that of this step.")));
-        return;
-    }
+    const bool is_its_own = shown_.view == preset_of(step.view) && shown_.opened == shows_opened(step);
+    const QString another = translated(QString("The picture is not that of this step.")); // a key has chosen it
+    if (!is_its_own)
+        return conference_bar_->show_note(another);
+    if (conference_bar_->note() == another)
+        conference_bar_->show_note({});
     if (step.kept)
         view_->set_camera(camera_of(*step.kept));
-    else if (step.view == planner::PresentedView::cut)
-        view_->set_camera(
-            planned_cut_camera(model_->shown_state().closed->patient.camera, model_->approach(*step.approach)));
+    else if (const auto& closed = model_->shown_state().closed;
+             step.view == planner::PresentedView::cut && closed != nullptr)
+        view_->set_camera(planned_cut_camera(closed->patient.camera, model_->approach(*step.approach)));
 }
 
 void MainWindow::keep_view()

@@ -80,6 +80,8 @@ void StepBar::show_note(const QString& note)
 
 QString StepBar::title() const { return title_->text(); }
 
+QString StepBar::note() const { return note_->text(); }
+
 QString StepBar::text() const { return text_->text(); }
 
 } // namespace retractor::ui

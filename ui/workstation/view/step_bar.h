@@ -23,6 +23,7 @@ public:
     /// A line under the text: what is being saved, or what went wrong; empty: none.
     void show_note(const QString& note);
     QString title() const;
+    QString note() const;
     std::size_t number() const { return number_of_step_; }
     std::size_t count() const { return count_of_steps_; }
     QString text() const;

@@ -232,7 +232,10 @@ namespace conference_window_test {
         EXPECT_GT((turned.eye - outside).norm(), 50.0) << "seen from the side";
         press(Qt::Key_1);
         EXPECT_LT((window_.view().camera().eye - surgeon.eye).norm(), 1e-6);
-        EXPECT_EQ(window_.conference_bar().findChild<QLabel*>("note")->text(), "The picture is not that of this step.");
+        EXPECT_EQ(window_.conference_bar().note(), "The picture is not that of this step.");
+        press(Qt::Key_2);
+        EXPECT_EQ(window_.conference_bar().note(), "");
+        EXPECT_LT((window_.view().camera().eye - turned.eye).norm(), 1e-6);
         press(Qt::Key_Left);
         press(Qt::Key_Right);
         EXPECT_LT((window_.view().camera().eye - turned.eye).norm(), 1e-6);

@@ -379,6 +379,7 @@ void MainWindow::compare(std::size_t id, bool is_compared)
 void MainWindow::change_decisions(std::function<void(planner::Decisions&)> change, const QString& message)
 {
     ++saving_;
+    ++deciding_;
     saving_executor_.post([this, generation = generation_, change = std::move(change), message,
                               file = planner::decisions_file(model_->planned_case())](const Job&) {
         std::function<void()> deliver;
@@ -387,7 +388,7 @@ void MainWindow::change_decisions(std::function<void(planner::Decisions&)> chang
             change(*decisions);
             planner::write_decisions(file, *decisions);
             deliver = [this, decisions, message] {
-                if (saving_ == 0) // a later change is shown already
+                if (deciding_ == 0) // else a later change holds this one, too
                     model_->set_decisions(*decisions);
                 show_all();
                 if (message.isNull())
@@ -400,6 +401,7 @@ void MainWindow::change_decisions(std::function<void(planner::Decisions&)> chang
         }
         post_back([this, generation, deliver] {
             --saving_;
+            --deciding_;
             if (generation == generation_)
                 deliver();
         });

@@ -316,6 +316,7 @@ private:
     int reading_ = 0; ///< number of cases that are being read, and of palpations that are being prepared
     int palpations_prepared_ = 0;
     int saving_ = 0; ///< number of cases that are being written
+    int deciding_ = 0; ///< of them, number of changes to the decisions
     std::string not_saved_;
     bool remembers_ = false; ///< opened cases are listed on the start page
     std::filesystem::path pictured_; ///< the case file whose picture was kept last

@@ -29,8 +29,8 @@ enum class PresentedView {
 
 struct PresentationStep {
     PresentedView view = PresentedView::patient;
-    std::optional<std::size_t> approach {}; ///< index in the case; nothing: the patient alone, or all approaches
-    std::string title {}, text {}; ///< text: one to three sentences; of a kept view it may be empty
+    std::optional<std::size_t> approach {}; ///< index in the case; nothing: the patient alone, or a comparison
+    std::string title {}, text {}; ///< text: a few sentences; of a kept view it may be empty
     std::optional<NamedView> kept {}; ///< of a kept view
     std::vector<std::size_t> compared {}; ///< of a comparison: indices in the case, see compared_approaches()
 };

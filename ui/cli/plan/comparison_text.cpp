@@ -206,7 +206,8 @@ planner::Weights parse_weights(const std::vector<std::string>& changes)
         const auto found = std::ranges::find_if(
             planner::criteria(), [&](const planner::Criterion& criterion) { return criterion.key == key; });
         if (equals == std::string::npos || found == planner::criteria().end())
-            throw InputError("a weight is CRITERION=NUMBER; the criteria are " + planner::weights_text(weights),
+            throw InputError(
+                "a weight is CRITERION=NUMBER; the criteria are " + planner::weights_text(weights),
                 "--weights " + change);
         const double weight = parse_numbers(change.substr(equals + 1), 1, "--weights " + change).front();
         if (weight < 0.0)

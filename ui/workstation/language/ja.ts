@@ -4044,10 +4044,6 @@
         <translation>並べて比較（2～4）：</translation>
     </message>
     <message>
-        <source>planned cut</source>
-        <translation>切離面</translation>
-    </message>
-    <message>
         <source>%1: opened</source>
         <translation>%1：開創</translation>
     </message>

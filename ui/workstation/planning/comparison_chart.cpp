@@ -1,7 +1,6 @@
 #include "ui/workstation/planning/comparison_chart.h"
 
 #include "mesh/base/assert.h"
-
 #include "ui/workstation/language/language.h"
 
 #include <QHelpEvent>

@@ -257,6 +257,7 @@ struct ContactMetrics {
     /// Where contact is computed: what the penalty leaves. Where it is not: how far surfaces pass through each other.
     double largest_penetration_mm = 0.0;
     Vec3 at = Vec3::Zero(); ///< place of the largest penetration in the opened wound, mm; zero without one
+    std::string place {}; ///< the same place beside the incision, in words; empty: not known
     std::string with {}; ///< label of the organ of the largest penetration; empty: of the wall with itself
     double force_N = 0.0; ///< sum of the magnitudes of the points' forces
     /// Largest overlap of the surfaces at rest; the solution keeps this overlap, without a force.
@@ -270,6 +271,7 @@ struct VolumeFailures {
     double share = 0.0; ///< their share of the soft tissue's volume at rest
     double smallest_ratio = 1.0, largest_ratio = 1.0; ///< of all soft elements
     Vec3 at = Vec3::Zero(); ///< middle, at rest, of the element that changes most, mm; zero without failures
+    std::string place {}; ///< the same place beside the incision, in words; empty: not known
     bool believable = true; ///< false: too much tissue fails, or an element is inside out
 };
 

@@ -811,9 +811,9 @@ std::string contact_text(const FieldMetrics& field)
         text = "contact: "
             + (contact.with.empty() ? std::string("the wall passes through itself")
                                     : "the wall passes through the " + readable(contact.with))
-            + formatted(" by up to %.1f mm at %.0f, %.0f, %.0f mm (patient LPS), which contact would prevent; contact "
-                        "was not computed: %s",
-                contact.largest_penetration_mm, contact.at.x(), contact.at.y(), contact.at.z(),
+            + formatted(" by up to %.1f mm, %s, which contact would prevent; contact was not computed: %s",
+                contact.largest_penetration_mm,
+                (contact.place.empty() ? "at " + in_words(contact.at) : contact.place).c_str(),
                 contact.message.c_str());
     else if (sinks_in(contact))
         text = formatted("contact: the wall sinks up to %.1f mm into the %s, which gives way",

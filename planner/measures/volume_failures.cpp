@@ -112,9 +112,9 @@ std::string volume_failure_text(const FieldMetrics& field)
     std::string text = keeps_volume(field) ? "caution: " : "failed: these numbers are not to be believed: ";
     if (failures.elements > 0)
         text += formatted("%.2g %% of the soft tissue changes its volume by more than a tenth, to between %.2f and "
-                          "%.2f of its volume at rest, most of all at ",
+                          "%.2f of its volume at rest, most of all ",
                     100.0 * failures.share, failures.smallest_ratio, failures.largest_ratio)
-            + in_words(failures.at);
+            + (failures.place.empty() ? "at " + in_words(failures.at) : failures.place);
     if (field.inverted_elements > 0)
         text += std::string(failures.elements > 0 ? "; " : "")
             + formatted("%d element(s) are inside out", field.inverted_elements);

@@ -277,8 +277,12 @@ namespace {
         if (ratios.size() != field.wall.tet_count())
             return std::nullopt;
         const bool patches = planned_case.solution.element == ElementKind::locking_free;
-        return find_volume_failures(field.wall, patches ? averaged_volume_ratios(field.wall, ratios) : ratios,
-            planned_case.label_table, field.opening.inverted_elements);
+        VolumeFailures failures
+            = find_volume_failures(field.wall, patches ? averaged_volume_ratios(field.wall, ratios) : ratios,
+                planned_case.label_table, field.opening.inverted_elements);
+        if (failures.elements > 0)
+            failures.place = place_beside_incision(field.approach, failures.at);
+        return failures;
     }
 
     /// The way of a saw through the sternum: to the inner side of the wall, where that was measured. Fewer than two
@@ -379,6 +383,8 @@ namespace {
         m.max_volume_ratio = field.opening.max_volume_ratio;
         m.volume_failures = volume_failures(field, patient.planned_case());
         remark(field.message, volume_failure_text(m));
+        if (m.contact && m.contact->largest_penetration_mm > 0.0)
+            m.contact->place = place_beside_incision(field.approach, m.contact->at);
         m.bone_stiffness = bones_in_wall(*patient.bone_stiffness(), fem::labels_met(field.wall));
         remark(field.message, cut_off_text(m.bone_stiffness));
         m.residual = field.opening.residual;

@@ -119,9 +119,9 @@ RETRACTOR_ARCHIVE(RegionMetrics, region_mm, ended_by, message, rim_motion_mm, ri
 RETRACTOR_ARCHIVE(AccuracyMetrics, asked, reached_force, reached_opening_mm, rounds, edge_mm, ended_by, message)
 RETRACTOR_ARCHIVE(SecondOpinion, program, status, message, displacement_difference, force_difference,
     largest_displacement_mm, hook_forces_N, own_hook_forces_N, seconds, own_seconds)
-RETRACTOR_ARCHIVE(
-    ContactMetrics, needed, computed, touching, largest_penetration_mm, at, with, force_N, overlap_at_rest_mm, message)
-RETRACTOR_ARCHIVE(VolumeFailures, elements, share, smallest_ratio, largest_ratio, at, believable)
+RETRACTOR_ARCHIVE(ContactMetrics, needed, computed, touching, largest_penetration_mm, at, place, with, force_N,
+    overlap_at_rest_mm, message)
+RETRACTOR_ARCHIVE(VolumeFailures, elements, share, smallest_ratio, largest_ratio, at, place, believable)
 RETRACTOR_ARCHIVE(JointLoad, force_N, moment_Nm, turn_deg, at_stop)
 RETRACTOR_ARCHIVE(BoneMetrics, name, at_mm, length_mm, part, place, section_mm2, bending_Nm, torsion_Nm, moment_Nm,
     capacity_Nm, utilisation, opening_at_limit_mm, spine_joint, cartilage)

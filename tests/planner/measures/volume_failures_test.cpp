@@ -129,6 +129,10 @@ namespace volume_failures_test {
         for (const char* part : { "failed: these numbers are not to be believed", "2.1 % of the soft tissue",
                  "0.40 and 1.83", "(1.0, 2.0, 3.0) mm", "2 element(s) are inside out" })
             EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
+        field.volume_failures->place = "38 mm along the incision, 4 mm beside it and 12 mm deep";
+        const std::string placed = volume_failure_text(field);
+        EXPECT_NE(placed.find("most of all 38 mm along the incision"), std::string::npos) << placed;
+        EXPECT_EQ(placed.find("(1.0"), std::string::npos) << placed;
         field.name = "straight";
         const nlohmann::ordered_json written = metrics_document({ field }).at("approaches").at(0).at("volume_failures");
         EXPECT_EQ(written.at("elements"), 12);

@@ -5172,8 +5172,16 @@
         <translation>、またはウィンドウの B で計画します。</translation>
     </message>
     <message>
-        <source>%1 caution: %2 % of the soft tissue changes its volume by more than a tenth, to between %3 and %4 of its volume at rest, most of all at %5 mm; strain is wrong there.</source>
-        <translation>%1 注意：軟部組織の %2 % で体積が 1 割以上変わり、静止時の %3 〜 %4 倍になります（最大は %5 mm）。そこのひずみは正しくありません。</translation>
+        <source>%1 caution: %2 % of the soft tissue changes its volume by more than a tenth, to between %3 and %4 of its volume at rest, most of all %5 mm along the incision, %6 mm beside it and %7 mm deep; strain is wrong there.</source>
+        <translation>%1 注意：軟部組織の %2 % で体積が 1 割以上変わり、静止時の %3 〜 %4 倍になります（最大は切開に沿って %5 mm、横に %6 mm、深さ %7 mm）。そこのひずみは正しくありません。</translation>
+    </message>
+    <message>
+        <source>%1 caution: %2 % of the soft tissue changes its volume by more than a tenth, to between %3 and %4 of its volume at rest, most of all %5 mm before the start of the incision, %6 mm beside it and %7 mm deep; strain is wrong there.</source>
+        <translation>%1 注意：軟部組織の %2 % で体積が 1 割以上変わり、静止時の %3 〜 %4 倍になります（最大は切開の始点の手前 %5 mm、横に %6 mm、深さ %7 mm）。そこのひずみは正しくありません。</translation>
+    </message>
+    <message>
+        <source>%1 caution: %2 % of the soft tissue changes its volume by more than a tenth, to between %3 and %4 of its volume at rest, most of all %5 mm beyond the end of the incision, %6 mm beside it and %7 mm deep; strain is wrong there.</source>
+        <translation>%1 注意：軟部組織の %2 % で体積が 1 割以上変わり、静止時の %3 〜 %4 倍になります（最大は切開の終点の先 %5 mm、横に %6 mm、深さ %7 mm）。そこのひずみは正しくありません。</translation>
     </message>
     <message>
         <source>Full median sternotomy: the midline of the sternum, found in its label, from %1 mm above the notch to %2 mm below the xiphoid, put on the skin square to the bone.</source>

@@ -261,12 +261,14 @@ namespace report_test {
             .computed = false,
             .largest_penetration_mm = 3.24,
             .at = Vec3(12.0, -80.4, 33.0),
+            .place = "38 mm along the incision, 4 mm beside it and 12 mm deep",
             .with = "lung_left",
             .message = "no equilibrium with contact was found in 30 s" };
         EXPECT_TRUE(passes_through(field));
         EXPECT_EQ(contact_text(field),
-            "contact: the wall passes through the left lung by up to 3.2 mm at 12, -80, 33 mm (patient LPS), which "
-            "contact would prevent; contact was not computed: no equilibrium with contact was found in 30 s");
+            "contact: the wall passes through the left lung by up to 3.2 mm, 38 mm along the incision, 4 mm "
+            "beside it and 12 mm deep, which contact would prevent; contact was not computed: no equilibrium with contact "
+            "was found in 30 s");
         const auto document = metrics_document({ field }).at("approaches").at(0).at("contact");
         EXPECT_EQ(document.at("needed"), true);
         EXPECT_EQ(document.at("computed"), false);

@@ -163,7 +163,7 @@ namespace {
         for (const BoneMetrics& bone : field.bones)
             if (bone.opening_at_limit_mm)
                 sentences.push_back(capital(bone_in_words(bone.name)) + " would break from "
-                    + two_digits(*bone.opening_at_limit_mm) + " mm on.");
+                    + two_digits(std::floor(*bone.opening_at_limit_mm)) + " mm on.");
         for (const TissueStrain& tissue : field.tissue_strain)
             if (may_tear(tissue))
                 sentences.push_back(

@@ -99,7 +99,7 @@ namespace {
             const std::string name = capital(bone_in_words(bone.name));
             if (bone.opening_at_limit_mm)
                 say(said, Light::injury,
-                    name + " would break from " + two_digits(*bone.opening_at_limit_mm) + " mm on.");
+                    name + " would break from " + two_digits(std::floor(*bone.opening_at_limit_mm)) + " mm on.");
             else if (bone.capacity_Nm && bone.utilisation > kNearBreaking)
                 say(said, Light::caution, name + " comes near breaking.");
         }

@@ -245,13 +245,13 @@ std::string bones_text(const FieldMetrics& field)
             + rough_text(field);
     std::string text = formatted("%s would break %s, from an opening of about %.0f mm on (%.1f N m; tested ribs broke "
                                  "at about %.1f N m).",
-        capital(bone_in_words(bone.name)).c_str(), place_text(bone).c_str(), *bone.opening_at_limit_mm, bone.moment_Nm,
-        *bone.capacity_Nm);
+        capital(bone_in_words(bone.name)).c_str(), place_text(bone).c_str(), std::floor(*bone.opening_at_limit_mm),
+        bone.moment_Nm, *bone.capacity_Nm);
     std::vector<std::string> others;
     for (const BoneMetrics& other : field.bones)
         if (&other != &bone && other.opening_at_limit_mm)
-            others.push_back(
-                formatted("%s from about %.0f mm on", bone_in_words(other.name).c_str(), *other.opening_at_limit_mm));
+            others.push_back(formatted(
+                "%s from about %.0f mm on", bone_in_words(other.name).c_str(), std::floor(*other.opening_at_limit_mm)));
     if (!others.empty())
         text += " Also " + joined(others) + ".";
     return text + uninjured_text(field) + rough_text(field);

@@ -36,14 +36,14 @@ namespace {
     constexpr std::string_view kStyle = R"css(
 body { font: 16px/1.45 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c2733; margin: 0; background: #f4f6f8; }
 main { max-width: 1180px; margin: 0 auto; padding: 24px; }
-h1 { font-size: 26px; margin: 8px 0; } h2 { font-size: 21px; margin: 36px 0 8px; border-bottom: 2px solid #b9c6d2; }
+h1 { font-size: 26px; margin: 8px 0; } h2 { font-size: 21px; margin: 36px 0 8px; border-bottom: 2px solid #b9c6d2; } h3 { font-size: 17px; margin: 24px 0 4px; }
 .notice { background: #fff4d6; border-left: 5px solid #d99a00; padding: 8px 14px; }
 .chosen { background: #e3f1e8; border-left: 5px solid #2f8f5b; padding: 8px 14px; }
 table { border-collapse: collapse; background: #fff; width: 100%; }
 th, td { border: 1px solid #d3dce4; padding: 6px 10px; text-align: right; } th:first-child, td:first-child { text-align: left; }
 thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; } .failed { color: #9aa5af; text-decoration: line-through; } .caution { color: #8a5a00; }
 .verdict { background: #fff; border-left: 10px solid #9aa5af; padding: 10px 14px; font-size: 18px; }
-.verdict b { margin-right: 8px; } .verdict.clear { border-color: #2f8f5b; } .verdict.caution { border-color: #d99a00; } .verdict.injury { border-color: #b3261e; }
+.verdict b { margin-right: 8px; } .verdict.clear { border-color: #2f8f5b; } .verdict.caution { border-color: #d99a00; } .verdict.injury { border-color: #b3261e; } .verdict.unknown { border-color: #6b1410; color: #a61b1b; }
 .words td, .materials td:last-child { text-align: left; } .words td:first-child { width: 16em; } .materials { margin-top: 10px; font-size: 14px; }
 figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } figure img { width: 100%; display: block; }
 figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
@@ -104,6 +104,18 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 + (has_error_bars(field) ? " &plusmn; " + in_words(field.error->hook_moved_mm[i], 1) : std::string())
                 + " of " + in_words(hook.asked_mm, 1) + " mm";
         }
+        return text.empty() ? "none" : text;
+    }
+
+    /// "upper blade 91.2 +- 4.0 N; lower blade 88.0 +- 3.9 N".
+    std::string force_of_each(const FieldMetrics& field)
+    {
+        std::string text;
+        for (std::size_t i = 0; i < field.hooks.size(); ++i)
+            text += (i == 0 ? "" : "; ") + escaped(readable(field.hooks[i].name)) + " "
+                + in_words(field.hooks[i].force_N, 1)
+                + (has_error_bars(field) ? " &plusmn; " + in_words(field.error->hook_forces_N[i], 1) : std::string())
+                + " N";
         return text.empty() ? "none" : text;
     }
 
@@ -177,18 +189,12 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         text_row("... reached by the tissue under them",
             [](const FieldMetrics& f) { return in_words(hook_opening(f).reached_mm, 1) + " mm"; });
         if (std::ranges::any_of(fields, [](const FieldMetrics& f) { return f.force_moments.has_value(); }))
-            text_row(
-                "Force on a side and its moment", [](const FieldMetrics& f) { return escaped(force_moments_text(f)); });
-        if (std::any_of(fields.begin(), fields.end(), [](const FieldMetrics& f) { return f.retractor.has_value(); }))
-            text_row("Retractor, force and moment per blade", [](const FieldMetrics& f) {
-                std::string words;
-                if (f.retractor)
-                    for (const BladeMetrics& blade : f.retractor->blades)
-                        remark(words,
-                            instrument_name(f.retractor->kind) + ", " + readable(blade.name) + ": "
-                                + blade_text(blade));
-                return words.empty() ? std::string("none") : escaped(words);
+            text_row("Force on a side and its moment", [](const FieldMetrics& f) {
+                return f.force_moments && f.force_moments->message.empty()
+                    ? escaped(force_moments_cell(*f.force_moments))
+                    : escaped(force_moments_text(f));
             });
+        text_row("Force on each blade or hook", force_of_each);
         if (std::any_of(fields.begin(), fields.end(), has_limited_hooks))
             text_row("Hooks that yielded", yielded_hooks);
         text_row("Bone in the line of sight", [](const FieldMetrics& f) { return listed(bones_in_sight(f)); });
@@ -227,14 +233,6 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             });
         if (has([](const FieldMetrics& f) { return f.loose_pieces; }))
             text_row("Loose pieces", [](const FieldMetrics& f) { return readable(listed(f.loose_pieces)); });
-        text_row("Mechanics", [](const FieldMetrics& f) {
-            const bool good = is_solved(f) && f.inverted_elements == 0;
-            return std::string(good ? "<span>" : "<span class=\"bad\">") + escaped(f.mechanics_status) + "; inverted "
-                + std::to_string(f.inverted_elements) + ", largest volume ratio " + in_words(f.max_volume_ratio, 2)
-                + "</span>";
-        });
-        text_row("Solved as", [](const FieldMetrics& f) { return escaped(solution_text(f.solution.choice)); });
-        text_row("Tetrahedra", [](const FieldMetrics& f) { return std::to_string(f.tets); });
         out << "</tbody></table>";
     }
 
@@ -414,14 +412,22 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "</tbody></table>";
     }
 
-    void write_field(std::ostream& out, const Report& report, const FieldMetrics& field)
+    /// What the field means for use, beside the colour of its light.
+    /// @param name before the words; empty: none
+    void write_verdict(std::ostream& out, const FieldMetrics& field, const std::string& name)
     {
-        out << "<h2>" << escaped(field.name) << "</h2>";
         const Verdict verdict = verdict_of(field);
-        out << "<p class=\"verdict " << to_string(verdict.light) << "\"><b>" << words_of(verdict.light) << ".</b> ";
+        out << "<p class=\"verdict " << to_string(verdict.light) << "\"><b>" << escaped(name)
+            << (name.empty() ? "" : ": ") << words_of(verdict.light) << ".</b> ";
         for (const std::string& sentence : verdict.sentences)
             out << escaped(sentence) << ' ';
         out << "</p>";
+    }
+
+    void write_field(std::ostream& out, const Report& report, const FieldMetrics& field)
+    {
+        out << "<h2>" << escaped(field.name) << "</h2>";
+        write_verdict(out, field, "");
         if (const std::string failed = volume_failure_text(field); !failed.empty())
             out << "<p class=\"notice" << (keeps_volume(field) ? "" : " bad") << "\">" << escaped(field.name) << " "
                 << escaped(failed) << ".</p>";
@@ -437,15 +443,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                     out << ' ' << escaped(sentence);
                 out << "</p>";
             }
-        out << (field.retractor ? "<p>Blades: " : "<p>Hooks: ");
-        for (std::size_t i = 0; i < field.hooks.size(); ++i) {
-            out << (i == 0 ? "" : "; ") << escaped(readable(field.hooks[i].name)) << " "
-                << in_words(field.hooks[i].force_N, 1);
-            if (has_error_bars(field))
-                out << " &plusmn; " << in_words(field.error->hook_forces_N[i], 1);
-            out << " N";
-        }
-        out << ". The best eye is " << in_words(field.best_eye.distance_mm, 0) << " mm from the opening";
+        out << (field.retractor ? "<p>Blades: " : "<p>Hooks: ") << force_of_each(field) << ". The best eye is "
+            << in_words(field.best_eye.distance_mm, 0) << " mm from the opening";
         if (field.seen_best_eye > 0.0)
             out << " and meets what it sees at " << in_words(field.best_eye.incidence_deg, 0) << " degrees on average";
         out << "; it was searched within " << in_words(field.cone_half_angle_deg, 0)
@@ -480,15 +479,17 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<p>" << escaped(strain) << ".</p>";
         if (const std::string tearing = tearing_text(field); !tearing.empty())
             out << "<p class=\"notice\">" << escaped(tearing) << ".</p>";
-        out << "<p>" << escaped(error_text(field))
+        out << "<h3>How it was computed</h3><p>" << escaped(error_text(field))
             << ". Errors of the materials, the supports and the model are not included.</p>";
         write_parameters(out, field);
         write_bone_stiffness(out, field);
         if (const std::string accuracy = accuracy_text(field); !accuracy.empty())
             out << (field.accuracy->ended_by == AccuracyEnd::reached ? "<p>" : "<p class=\"notice\">")
                 << escaped(accuracy) << "</p>";
-        out << "<p>" << escaped(solution_text(field)) << "; relative residual " << formatted("%.1e", field.residual)
-            << ".</p>";
+        out << "<p>" << escaped(solution_text(field)) << "; " << field.tets << " elements, relative residual "
+            << formatted("%.1e", field.residual) << "; " << escaped(field.mechanics_status) << ", "
+            << field.inverted_elements << " elements inside out, largest volume ratio "
+            << in_words(field.max_volume_ratio, 2) << ".</p>";
         out << (is_region_too_small(field) ? "<p class=\"notice\">" : "<p>") << escaped(region_text(field)) << "</p>";
         for (const PressureMetrics& pressure : field.pressures)
             out << "<p>" << escaped(pressure_text(pressure)) << ".</p>";
@@ -521,9 +522,9 @@ void write_report(const std::filesystem::path& path, const Report& report)
     write_pictures(out, report, "");
     for (const std::string& refusal : report.refused)
         out << "<p class=\"notice\">" << escaped(refusal) << "</p>";
-    for (const FieldMetrics& field : report.fields)
-        if (const std::string why = why_not_to_use(field); !why.empty())
-            out << "<p class=\"notice bad\">" << escaped(field.name) << ": " << escaped(why) << "</p>";
+    for (std::size_t n = 0; n < report.fields.size(); ++n)
+        write_verdict(out, report.fields[n],
+            (report.fields.size() > 1 ? compared_letter(n) + " " : std::string()) + report.fields[n].name);
     write_crisis_check(out, report.fields, report.divided_bones);
     out << "<h2>Comparison</h2>";
     write_comparison(out, report.fields);

@@ -232,12 +232,13 @@ std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& f
         if (!planner::is_measured(field))
             continue;
         const Stopwatch watch;
+        const auto report = [&] { job.report("render", static_cast<double>(pictures.size()) / total); };
         for (const std::string& view : request.views) {
             if (job.cancelled())
                 return pictures;
             if (view == "slices" && !patient.has_ct())
                 continue;
-            job.report("render", static_cast<double>(pictures.size()) / total);
+            report();
             const std::filesystem::path file = folder / (field.approach.name + "-" + view + ".png");
             Picture picture = view_picture(patient, field, view, request.width, request.height);
             if (view == "surgeon")
@@ -248,13 +249,16 @@ std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& f
         for (const FieldMapKind kind : request.maps) {
             if (job.cancelled())
                 return pictures;
+            report();
             if (auto drawn = draw_map(folder, patient, field, kind, renderer, request))
                 pictures.push_back(*std::move(drawn));
         }
         int kept = 0;
         for (const planner::NamedView& view : request.kept)
-            if (view.approach == field.approach.name && view.opened && !job.cancelled())
+            if (view.approach == field.approach.name && view.opened && !job.cancelled()) {
+                report();
                 pictures.push_back(draw_kept(folder, patient, field, view, ++kept, renderer, request));
+            }
         field.metrics.seconds.emplace_back("render", watch.seconds());
     }
     return pictures;

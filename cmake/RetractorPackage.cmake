@@ -43,6 +43,9 @@ execute_process(COMMAND ${GZIP} -9nf "${CMAKE_CURRENT_BINARY_DIR}/changelog" COM
 install(FILES README.md LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT programs)
 install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT programs
   FILES_MATCHING PATTERN "*.md" PATTERN "*.png")
+foreach(folder mesh fem datasets haptics planner ui) # docs/developer/architecture.md names their pages
+  install(FILES ${folder}/README.md DESTINATION "${CMAKE_INSTALL_DOCDIR}/${folder}" COMPONENT programs)
+endforeach()
 install(FILES cmake/package/copyright "${CMAKE_CURRENT_BINARY_DIR}/changelog.gz"
   DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/retractor" COMPONENT programs)
 install(FILES cmake/package/copyright "${CMAKE_CURRENT_BINARY_DIR}/changelog.gz"

@@ -27,7 +27,8 @@ expect("${output}" libopenblas0 libgl1-mesa-dri libegl-mesa0 libcholmod3 libosme
   libinsighttoolkit5.2 libembree3-3 libtbb12 libssl3)
 step(dpkg-deb --contents "${package}")
 expect("${output}" ./usr/bin/retractor\n ./usr/bin/retractor-egl\n ./usr/share/doc/retractor/copyright
-  ./usr/share/doc/retractor/README.md ./usr/share/man/man1/retractor.1.gz ./usr/share/man/man1/retractor-plan.1.gz)
+  ./usr/share/doc/retractor/README.md ./usr/share/doc/retractor/planner/README.md
+  ./usr/share/man/man1/retractor.1.gz ./usr/share/man/man1/retractor-plan.1.gz)
 if(WORKSTATION)
   expect("${output}" ./usr/bin/retractor-workstation ./usr/share/applications/retractor-workstation.desktop
     ./usr/share/man/man1/retractor-workstation.1.gz)

@@ -142,6 +142,7 @@ namespace {
             if (std::optional<OpenedWall> touching = open_touching(without, failure)) {
                 ContactMetrics metrics = of_solution(touching->opening, tested_.pressed);
                 metrics.needed = true;
+                touching->touchable = tested_.pressed.names;
                 return { .opened = *std::move(touching), .contact = std::move(metrics) };
             }
             if (!finished && job_.cancelled() && without.coarse) {
@@ -273,6 +274,26 @@ ContactOpening open_with_contact(const fem::ElasticProblem& problem, ContactMode
         break;
     }
     return { .opened = open({}, nullptr, {}, job) };
+}
+
+std::optional<ContactOpening> open_touching_from(
+    const OpenedWall& start, const ContactSurfaces& surfaces, const OpenOnce& open, const Job& job)
+{
+    RETRACTOR_ASSERT(start.touchable);
+    ContactSurfaces touchable = surfaces;
+    for (std::size_t n = touchable.names.size(); n-- > 0;)
+        if (std::ranges::find(*start.touchable, touchable.names[n]) == start.touchable->end())
+            leave_out(touchable, n);
+    TimeLimit limit(job, kLeastTenNodeContactS);
+    ContactOpening solved { .opened = open(touchable.options, &start, {}, limit.job()) };
+    if (job.cancelled())
+        return solved;
+    if (!is_usable(solved.opened.opening))
+        return std::nullopt;
+    solved.contact = of_solution(solved.opened.opening, touchable);
+    solved.contact->needed = true;
+    solved.opened.touchable = start.touchable;
+    return solved;
 }
 
 std::optional<ContactOpening> open_without_contact_from(const OpenedWall& start, const fem::ElasticProblem& problem,

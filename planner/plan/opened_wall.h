@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace retractor::planner {
@@ -30,6 +31,8 @@ struct OpenedWall {
     /// With a retractor whose blades are in contact: the largest force of a blade where the blades hold the tissue, in
     /// four-node elements, N; 0: not known. Contact begins there.
     double held_force_N = 0.0;
+    /// Labels of the organs that the wall could touch; not set: without contact.
+    std::optional<std::vector<std::string>> touchable {};
     /// A StageTest ended the opening: only `coarse` is filled, and with a retractor `hooks` and `retractor` of it.
     bool ended_by_test = false;
 };

@@ -600,7 +600,8 @@ OpenedWall opened_wall_of(const PlannedField& field, const OpenedWound& wound)
         .yielded = field.yielded,
         .near_tets = field.metrics.solution.near_tets,
         .opening = field.opening,
-        .retractor = field.retractor };
+        .retractor = field.retractor,
+        .touchable = wound.touchable };
     if (!wound.rigid.vertices.empty())
         opened.opening.displacement = wound.rigid.solved;
     return opened;
@@ -642,7 +643,9 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
     if (planned_case.contact != ContactMode::never)
         surfaces = contact_surfaces(planned_case.label_table, field.approach, patient);
     std::optional<ContactOpening> from_start;
-    if (start != nullptr && planned_case.contact != ContactMode::always)
+    if (start != nullptr && planned_case.contact == ContactMode::automatic && start->touchable)
+        from_start = open_touching_from(*start, surfaces, open, job);
+    else if (start != nullptr && planned_case.contact != ContactMode::always)
         from_start = open_without_contact_from(*start, field.problem, planned_case.contact, surfaces, open, job);
     ContactOpening solved = from_start ? *std::move(from_start) : solve_or_hold(field, [&] {
         return open_with_contact(field.problem, planned_case.contact, surfaces, open, choice.near_mm == 0.0, job);
@@ -668,8 +671,12 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
         field.status
             = field.opening.status == fem::OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
     }
-    OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::nullopt, std::move(opened.ten_node),
-        std::move(opened.coarse), opened.coarse_turn };
+    OpenedWound wound { .rigid = { .vertices = std::move(cut.rigid), .solved = {} },
+        .contact = {},
+        .touchable = std::move(opened.touchable),
+        .ten_node = std::move(opened.ten_node),
+        .coarse = std::move(opened.coarse),
+        .coarse_turn = opened.coarse_turn };
     if (field.metrics.contact && field.metrics.contact->computed)
         wound.contact = std::move(surfaces.options);
     if (field.opening.status == fem::OpeningStatus::cancelled || wound.rigid.vertices.empty())

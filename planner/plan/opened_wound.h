@@ -31,6 +31,7 @@ struct RigidPieces {
 struct OpenedWound {
     RigidPieces rigid;
     std::optional<fem::ContactOptions> contact; ///< contact of the solution; empty: without contact
+    std::optional<std::vector<std::string>> touchable {}; ///< as OpenedWall::touchable
     Eigen::VectorXd ten_node {}; ///< as OpenedWall::ten_node
     std::optional<fem::OpeningResult> coarse {}; ///< as OpenedWall::coarse
     Mat3 coarse_turn = Mat3::Identity(); ///< as OpenedWall::coarse_turn

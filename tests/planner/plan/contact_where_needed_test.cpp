@@ -90,16 +90,20 @@ namespace contact_where_needed_test {
         return field;
     }
 
-    ContactOpening opened(
-        const PlannedField& field, ContactMode mode, const ContactSurfaces& surfaces = {}, const Job& job = {})
+    OpenOnce opener_of(const PlannedField& field)
     {
-        const OpenOnce open = [&](const std::optional<fem::ContactOptions>& contact, const OpenedWall* start,
-                                  const StageTest& goes_on, const Job& part) {
+        return [&field](const std::optional<fem::ContactOptions>& contact, const OpenedWall* start,
+                   const StageTest& goes_on, const Job& part) {
             fem::OpeningOptions options = opening_options(SolverSettings {});
             options.contact = contact;
             return open_wall(field, 0.0, {}, options, part, start, goes_on);
         };
-        return open_with_contact(field.problem, mode, surfaces, open, true, job);
+    }
+
+    ContactOpening opened(
+        const PlannedField& field, ContactMode mode, const ContactSurfaces& surfaces = {}, const Job& job = {})
+    {
+        return open_with_contact(field.problem, mode, surfaces, opener_of(field), true, job);
     }
 
     double force_of(const ContactOpening& solved) { return solved.opened.opening.hook_forces_N.at(0).norm(); }
@@ -246,6 +250,35 @@ namespace contact_where_needed_test {
         EXPECT_TRUE(automatic.contact->computed) << automatic.contact->message;
         EXPECT_GT(automatic.contact->touching, 0U);
         expect_same(automatic, from_rest);
+    }
+
+    TEST(ContactWhereNeeded, OtherTissueIsHeldOffFromTheOpeningOfTheFirstAsFromRest)
+    {
+        PlannedField field = plate_under_blade(1.5);
+        const ContactSurfaces heart = heart_at(-0.5);
+        ContactSurfaces both = heart; // what gives way is not touched
+        both.options.fixed.push_back(floor_at(-1.2));
+        both.names.emplace_back("lung");
+        both.gives_way_mm = { 0.0, 5.0 };
+        const ContactOpening first = opened(field, ContactMode::automatic, heart);
+        EXPECT_EQ(first.opened.touchable, std::optional(std::vector<std::string> { "heart" }));
+        EXPECT_FALSE(opened(field, ContactMode::never).opened.touchable);
+        for (fem::Material& material : field.problem.material_of_label)
+            material.youngs_modulus_MPa *= 1.5;
+        const std::optional<ContactOpening> stiffer = open_touching_from(first.opened, both, opener_of(field), {});
+        ASSERT_TRUE(stiffer && stiffer->contact);
+        EXPECT_EQ(stiffer->contact->needed, true);
+        EXPECT_TRUE(stiffer->contact->computed);
+        EXPECT_EQ(stiffer->opened.touchable, first.opened.touchable);
+        const ContactOpening from_rest = opened(field, ContactMode::always, heart);
+        expect_same(*stiffer, from_rest);
+        EXPECT_GT(force_of(*stiffer), 1.2 * force_of(first));
+        std::atomic<bool> cancelled { true };
+        Job job;
+        job.cancel = &cancelled;
+        const std::optional<ContactOpening> none = open_touching_from(first.opened, both, opener_of(field), job);
+        ASSERT_TRUE(none);
+        EXPECT_EQ(none->opened.opening.status, fem::OpeningStatus::cancelled);
     }
 
     /// One search at the end would take a point so deep behind a face to have been there all along.

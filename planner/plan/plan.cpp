@@ -814,6 +814,16 @@ namespace {
         return found;
     }
 
+    /// The whole wall where it is small enough, or the region by drafts.
+    FoundRegion whole_or_found_region(
+        Patient& patient, const Approach& approach, double whole_mm, const PlanChecks& checks, const Job& job)
+    {
+        const bool is_coarse = approach.sizing.corridor_edge_mm >= kDraftEdgeMm; // a draft saves less than it takes
+        return is_coarse && whole_mm <= checks.whole_wall_mm
+            ? FoundRegion { .region_mm = whole_mm, .measures = { .ended_by = RegionEnd::whole } }
+            : find_region_of(patient, approach, whole_mm, checks, job);
+    }
+
     /// Plans one approach, with its region known, once, or on finer and finer meshes where an accuracy is asked.
     PlannedField plan_as_accurately_as_asked(
         Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks, const Stopwatch& watch)
@@ -893,10 +903,7 @@ PlannedField plan_in_region(Patient& patient, const Approach& approach, const Jo
     check_approach(approach);
     check_plausible(patient.planned_case(), approach);
     const double whole_mm = whole_region_mm(*patient.labels(), approach.incision);
-    const bool is_coarse = approach.sizing.corridor_edge_mm >= kDraftEdgeMm; // a draft would save less than it takes
-    FoundRegion found = is_coarse && whole_mm <= checks.whole_wall_mm
-        ? FoundRegion { .region_mm = whole_mm, .measures = { .ended_by = RegionEnd::whole } }
-        : find_region_of(patient, approach, whole_mm, checks, job);
+    FoundRegion found = whole_or_found_region(patient, approach, whole_mm, checks, job);
     while (!found.cancelled) {
         Approach with_region = approach;
         with_region.sizing = found_sizing(approach.sizing, found.region_mm);
@@ -926,6 +933,16 @@ void plan_samples(Patient& patient, const Approach& approach, std::span<const St
     const std::function<void(std::size_t, PlanAttempt)>& on_planned, const Job& job, const PlanChecks& checks)
 {
     patient.set_stiffness_factors({});
+    if (checks.find_region && !approach.sizing.region_mm) {
+        check_approach(approach);
+        check_plausible(patient.planned_case(), approach);
+        Approach with_region = approach;
+        const FoundRegion found = whole_or_found_region(
+            patient, approach, whole_region_mm(*patient.labels(), approach.incision), checks, job);
+        with_region.sizing = found_sizing(approach.sizing, found.region_mm);
+        plan_samples(patient, with_region, samples, on_planned, job, checks);
+        return;
+    }
     CutApproach made;
     if (!mesh_and_cut(made, patient, approach, job, checks)) {
         for (std::size_t s = 0; s < samples.size(); ++s)

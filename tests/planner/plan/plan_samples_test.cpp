@@ -123,6 +123,27 @@ namespace plan_samples_test {
         EXPECT_EQ(planned, kSamples.size());
     }
 
+    TEST(PlanSamples, TakeTheWholeWallWhereTheRegionIsToBeFound)
+    {
+        const Case planned_case = drafted("samples_region", with_hooks);
+        Patient patient(planned_case, {});
+        const Approach& approach = planned_case.approaches.front();
+        ASSERT_FALSE(approach.sizing.region_mm);
+        for (const bool find_region : { false, true }) {
+            PlanChecks checks = kDraft;
+            checks.find_region = find_region;
+            plan_samples(
+                patient, approach, std::span(kSamples).first(1),
+                [&](std::size_t, const PlanAttempt& attempt) {
+                    ASSERT_TRUE(attempt.failure.empty()) << attempt.failure;
+                    EXPECT_EQ(attempt.field.approach.sizing.region_mm.has_value(), find_region);
+                    constexpr double kHalfMm = 35.0; // the block is at least 70 mm wide
+                    EXPECT_TRUE(!find_region || *attempt.field.approach.sizing.region_mm > kHalfMm);
+                },
+                {}, checks);
+        }
+    }
+
     TEST(PlanSamples, EndWhereTheyAreCancelled)
     {
         const Case planned_case = drafted("samples_cancelled", with_hooks);

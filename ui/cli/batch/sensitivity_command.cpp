@@ -8,7 +8,7 @@
 #include "planner/measures/metric_table.h"
 #include "planner/uncertainty/stiffness_samples.h"
 #include "ui/cli/batch/run_batch.h"
-#include "ui/cli/batch/sample_drafts.h"
+#include "ui/cli/batch/sample_plans.h"
 #include "ui/cli/framework/number_range.h"
 #include "ui/cli/framework/open_case.h"
 #include "ui/cli/framework/out_folder.h"
@@ -35,19 +35,19 @@ namespace {
         std::string case_file, out;
         int samples = 32;
         unsigned seed = 0;
-        bool full = false;
+        bool draft = false;
         BatchSettings settings;
-        std::vector<std::size_t> drafts; ///< a process plans only these, and writes no summary
+        std::vector<std::size_t> plans; ///< a process plans only these, and writes no summary
     };
 
     /// Measures of the table in the text; the file has all.
     constexpr std::array kShown { "seen_best_eye", "opening_area_mm2", "opening_width_mm", "hook_force_N" };
 
     /// The jobs, sample by sample; the first is the case as it is.
-    std::vector<SampleDraft> plans_of(const planner::Case& planned_case,
+    std::vector<SamplePlan> plans_of(const planner::Case& planned_case,
         const std::vector<planner::StiffnessFactors>& samples, const SensitivityOptions& options)
     {
-        std::vector<SampleDraft> plans;
+        std::vector<SamplePlan> plans;
         for (std::size_t n = 0; n < samples.size(); ++n)
             for (const planner::Approach& approach : planned_case.approaches) {
                 const std::string variant = n == 0 ? "as_planned" : formatted("sample_%03zu", n);
@@ -56,7 +56,7 @@ namespace {
                     .approach = approach.name,
                     .variant = variant,
                     .options = {} };
-                if (!options.full)
+                if (options.draft)
                     job.options.emplace_back("--draft");
                 if (!samples[n].empty())
                     job.options.insert(job.options.end(), { "--stiffness", planner::stiffness_text(samples[n]) });
@@ -65,41 +65,35 @@ namespace {
         return plans;
     }
 
-    BatchRun run_full(
-        const std::vector<SampleDraft>& plans, const fs::path& folder, const BatchSettings& settings, const Job& job)
+    BatchRun run_plans(
+        const std::vector<SamplePlan>& plans, const fs::path& folder, const SensitivityOptions& options, const Job& job)
     {
-        std::vector<BatchJob> jobs;
-        for (const SampleDraft& plan : plans)
-            jobs.push_back(plan.job);
-        return run_batch(jobs, folder, settings, job);
-    }
-
-    BatchRun run_drafts(const std::vector<SampleDraft>& plans, const fs::path& folder,
-        const SensitivityOptions& options, const Job& job)
-    {
-        const auto words = [&](std::span<const std::size_t> drafts) {
+        const auto words = [&](std::span<const std::size_t> chosen) {
             // The program by this name is the one that runs here, also where a new version has taken its place.
             std::vector<std::string> all { "/proc/self/exe", "--json", "--threads", "1", "sensitivity",
                 fs::absolute(options.case_file).string(), "--out", folder.string(), "--samples",
-                std::to_string(options.samples), "--seed", std::to_string(options.seed), "--drafts" };
-            for (const std::size_t draft : drafts)
-                all.push_back(std::to_string(draft));
+                std::to_string(options.samples), "--seed", std::to_string(options.seed) };
+            if (options.draft)
+                all.push_back("--draft");
+            all.push_back("--plans");
+            for (const std::size_t plan : chosen)
+                all.push_back(std::to_string(plan));
             return all;
         };
-        return run_sample_drafts(plans, folder, options.settings, words, job);
+        return run_sample_plans(plans, folder, options.settings, words, job);
     }
 
     /// What a process does for the command that started it.
-    Outcome plan_chosen_drafts(const std::vector<SampleDraft>& plans, const fs::path& folder,
-        const SensitivityOptions& options, const Job& job)
+    Outcome plan_chosen(
+        const std::vector<SamplePlan>& plans, const fs::path& folder, const SensitivityOptions& options, const Job& job)
     {
-        std::vector<SampleDraft> chosen;
-        for (const std::size_t draft : options.drafts) {
-            if (draft >= plans.size())
-                throw InputError("there is no draft with this number", "--drafts " + std::to_string(draft));
-            chosen.push_back(plans[draft]);
+        std::vector<SamplePlan> chosen;
+        for (const std::size_t plan : options.plans) {
+            if (plan >= plans.size())
+                throw InputError("there is no plan with this number", "--plans " + std::to_string(plan));
+            chosen.push_back(plans[plan]);
         }
-        plan_drafts_here(chosen, folder, job);
+        plan_samples_here(chosen, options.draft, folder, job);
         refuse_if_cancelled(job);
         return {};
     }
@@ -174,7 +168,7 @@ namespace {
         Outcome outcome;
         outcome.document["samples"] = options.samples;
         outcome.document["seed"] = options.seed;
-        outcome.document["draft"] = !options.full;
+        outcome.document["draft"] = options.draft;
         outcome.document["approaches"] = Json::array();
         std::size_t failed = 0, missing = 0; // missing: the same command plans them
         std::string reasons;
@@ -254,11 +248,10 @@ namespace {
         planner::check_stiffness_factors(planned_case, samples.front()); // refuses what no plan would take
         samples.insert(samples.begin(), planner::StiffnessFactors {});
         const fs::path folder = fs::absolute(options.out);
-        const std::vector<SampleDraft> plans = plans_of(planned_case, samples, options);
-        if (!options.drafts.empty())
-            return plan_chosen_drafts(plans, folder, options, job);
-        const BatchRun run
-            = options.full ? run_full(plans, folder, options.settings, job) : run_drafts(plans, folder, options, job);
+        const std::vector<SamplePlan> plans = plans_of(planned_case, samples, options);
+        if (!options.plans.empty())
+            return plan_chosen(plans, folder, options, job);
+        const BatchRun run = run_plans(plans, folder, options, job);
         Outcome outcome = outcome_of(run, planned_case, options);
         write_file_atomically(folder / "sensitivity.json", outcome.document.dump(2) + "\n");
         write_file_atomically(folder / "sensitivity.csv",
@@ -278,7 +271,8 @@ void add_sensitivity_command(Commands& commands)
         "measured");
     command->footer("The stiffness of every tissue, of the joints between ribs and spine and of the bed of the "
                     "shoulder girdle varies "
-                    "over its published range (Latin hypercube). The plans are drafts unless --full is given.\n"
+                    "over its published range (Latin hypercube). Each plan begins where the wound is open with the "
+                    "case's own values.\n"
                     "Example: retractor sensitivity C/case.json --out S    (the same again goes on after a break)\n"
                     "Example: retractor sensitivity C/case.json --out S --samples 64 --seed 1");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
@@ -292,11 +286,13 @@ void add_sensitivity_command(Commands& commands)
     command->add_option("--seed", options->seed, "Other samples for each number")
         ->check(in_range(0.0, 1e6))
         ->capture_default_str();
-    command->add_flag("--full", options->full, "Full plans instead of drafts; takes many times as long");
+    command->add_flag("--draft", options->draft,
+        "Drafts: several times faster, with forces that are up to three times too large; some fail near the "
+        "wound");
     command->add_option("--jobs", options->settings.processes, "Number of plans at a time (default: one per core)")
         ->check(CLI::Range(1, 256));
     command->add_flag("--retry", options->settings.retry, "Also do failed plans again");
-    command->add_option("--drafts", options->drafts)->group({}); // not shown: for the processes of this command
+    command->add_option("--plans", options->plans)->group({}); // not shown: for the processes of this command
     commands.on(command, [options](const Job& job) { return sensitivity(*options, job); });
 }
 

@@ -157,10 +157,11 @@ TEST_F(Batch, PlansWithManyValuesOfStiffness)
     ASSERT_EQ(run("approach remove " + file + " --name straight").exit_code, 0);
     ASSERT_EQ(run("approach remove " + file + " --name torn").exit_code, 0);
     const std::string add
-        = "approach add " + file + " --points 0,0,-25 0,0,25 --target target --retract cavity --hooks 2 ";
+        = "approach add " + file + " --points 0,0,-25 0,0,25 --target target --retract cavity --hooks 2 --region 0 ";
     ASSERT_EQ(run(add + "--name straight --opening 6").exit_code, 0);
     ASSERT_EQ(run(add + "--name narrow --opening 3").exit_code, 0);
-    const CommandRun first = run("--json sensitivity " + file + " --out " + out("samples") + " --samples 3 --seed 5");
+    const CommandRun first
+        = run("--json sensitivity " + file + " --out " + out("samples") + " --draft --samples 3 --seed 5");
     EXPECT_EQ(first.exit_code, 0) << first.out;
     const Json document = Json::parse(first.out);
     const Json& measures = document["approaches"][0]["measures"];
@@ -203,7 +204,7 @@ TEST_F(Batch, SamplesGoOnAfterAProcessWasKilled)
         ::dup2(nothing, STDOUT_FILENO);
         ::dup2(nothing, STDERR_FILENO);
         ::execl(RETRACTOR_PROGRAM, RETRACTOR_PROGRAM, "sensitivity", file.c_str(), "--out", folder_out.c_str(),
-            "--samples", "3", "--seed", "5", "--jobs", "1", static_cast<char*>(nullptr));
+            "--draft", "--samples", "3", "--seed", "5", "--jobs", "1", static_cast<char*>(nullptr));
         ::_exit(127);
     }
     const fs::path jobs = fs::path(folder_out) / "jobs", first = jobs / "as_planned-straight" / "status.json";
@@ -224,7 +225,7 @@ TEST_F(Batch, SamplesGoOnAfterAProcessWasKilled)
         failed += read(job.path() / "status.json")["state"] == "failed" ? 1 : 0;
     EXPECT_EQ(failed, 1U) << "the others were planned by another process";
     const CommandRun again
-        = run("--json sensitivity " + file + " --out " + folder_out + " --samples 3 --seed 5 --jobs 1");
+        = run("--json sensitivity " + file + " --out " + folder_out + " --draft --samples 3 --seed 5 --jobs 1");
     EXPECT_EQ(again.exit_code, 0) << again.out;
     EXPECT_EQ(Json::parse(again.out)["failed"], 0);
     EXPECT_EQ(Json::parse(again.out)["approaches"][0]["measures"]["hook_force_N"]["samples"], 3);

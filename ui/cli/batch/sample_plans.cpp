@@ -1,4 +1,4 @@
-#include "ui/cli/batch/sample_drafts.h"
+#include "ui/cli/batch/sample_plans.h"
 
 #include "mesh/base/each_on_threads.h"
 #include "mesh/base/error.h"
@@ -34,16 +34,16 @@ namespace {
     /// Fewer samples are not worth an opening of their own to begin at.
     constexpr std::size_t kLeastOfProcess = 4;
 
-    /// Drafts from one opening differ by a few percent from others, which an earlier version made.
-    std::vector<std::string> inputs_of_drafts(const std::vector<BatchJob>& jobs)
+    /// Drafts in a part of the wall, or not from one opening, have other numbers; earlier versions made them.
+    std::vector<std::string> inputs_of_plans(const std::vector<BatchJob>& jobs)
     {
         std::vector<std::string> inputs = inputs_of(jobs);
         for (std::string& text : inputs)
-            text += " from the opening of the case";
+            text += " from the opening of the case in the whole wall";
         return inputs;
     }
 
-    /// The drafts that have no status, in parts of one approach: twice as many parts as processes, so that none waits
+    /// The plans that have no status, in parts of one approach: twice as many parts as processes, so that none waits
     /// long for the others.
     std::vector<std::vector<std::size_t>> parts_of(const std::vector<BatchRow>& rows, std::size_t processes)
     {
@@ -97,7 +97,7 @@ namespace {
             return left;
         }
 
-        /// Writes that a draft has no answer.
+        /// Writes that a plan has no answer.
         void fail(std::size_t n, const JobFailure& failure)
         {
             const std::scoped_lock lock(mutex_);
@@ -158,18 +158,17 @@ namespace {
 
 } // namespace
 
-BatchRun run_sample_drafts(const std::vector<SampleDraft>& drafts, const fs::path& folder,
-    const BatchSettings& settings, const std::function<std::vector<std::string>(std::span<const std::size_t>)>& words,
-    const Job& job)
+BatchRun run_sample_plans(const std::vector<SamplePlan>& plans, const fs::path& folder, const BatchSettings& settings,
+    const std::function<std::vector<std::string>(std::span<const std::size_t>)>& words, const Job& job)
 {
     const fs::path jobs_folder = folder / "jobs";
     make_folder(folder);
     const FolderLock lock(folder);
     make_folder(jobs_folder);
     std::vector<BatchJob> jobs;
-    for (const SampleDraft& draft : drafts)
-        jobs.push_back(draft.job);
-    const std::vector<std::string> inputs = inputs_of_drafts(jobs);
+    for (const SamplePlan& plan : plans)
+        jobs.push_back(plan.job);
+    const std::vector<std::string> inputs = inputs_of_plans(jobs);
     ::setenv("OPENBLAS_NUM_THREADS", "1", 1);
     BatchRun run { .rows = rows_of(jobs, inputs, jobs_folder, settings.retry) };
     run.skipped = static_cast<std::size_t>(
@@ -185,7 +184,7 @@ BatchRun run_sample_drafts(const std::vector<SampleDraft>& drafts, const fs::pat
     job.report("jobs", 0.0);
     std::atomic<bool> broken { false }; ///< a full disk concerns all processes
     const auto plan_part = [&](std::vector<std::size_t> left) {
-        bool opened = false; ///< a draft of this part has ended, so their common opening exists
+        bool opened = false; ///< a plan of this part has ended, so their common opening exists
         bool ended_none = false; ///< the last process of this part
         while (!left.empty() && !job.cancelled() && !broken.load()) {
             const std::size_t before = left.size();
@@ -205,7 +204,7 @@ BatchRun run_sample_drafts(const std::vector<SampleDraft>& drafts, const fs::pat
                 too_long = since_last.seconds() > settings.limit_s;
                 return too_long || job.cancelled() || broken.load();
             };
-            constexpr std::chrono::hours kForever { 24 * 365 }; // each draft has its own limit
+            constexpr std::chrono::hours kForever { 24 * 365 }; // each plan has its own limit
             const ProgramRun process = run_program(words(left), kForever, {}, stop);
             if (failure)
                 std::rethrow_exception(failure);
@@ -216,7 +215,7 @@ BatchRun run_sample_drafts(const std::vector<SampleDraft>& drafts, const fs::pat
                 break;
             if (too_long && left.size() < at_end)
                 continue; // it ended just in time
-            // The process ended in the first of the rest. Before any draft has ended, mesh, cut or opening may fail,
+            // The process ended in the first of the rest. Before any plan has ended, mesh, cut or opening may fail,
             // which all share: bad input says so, and so do two processes.
             constexpr int kBadInput = 2;
             const bool bad_input = !opened && process.exit_code == kBadInput;
@@ -245,22 +244,23 @@ BatchRun run_sample_drafts(const std::vector<SampleDraft>& drafts, const fs::pat
     return run;
 }
 
-void plan_drafts_here(const std::vector<SampleDraft>& drafts, const fs::path& folder, const Job& job)
+void plan_samples_here(const std::vector<SamplePlan>& plans, bool draft, const fs::path& folder, const Job& job)
 {
-    if (drafts.empty())
+    if (plans.empty())
         return;
-    const BatchJob& first = drafts.front().job;
+    const BatchJob& first = plans.front().job;
     planner::Case planned_case = open_case(first.case_file.string());
     planned_case.approaches = { planner::find_approach(planned_case, first.approach) };
-    planner::make_draft(planned_case);
+    if (draft)
+        planner::make_draft(planned_case);
     planner::Patient patient(std::move(planned_case), job);
     std::vector<BatchJob> jobs;
     std::vector<planner::StiffnessFactors> samples;
-    for (const SampleDraft& draft : drafts) {
-        jobs.push_back(draft.job);
-        samples.push_back(draft.factors);
+    for (const SamplePlan& plan : plans) {
+        jobs.push_back(plan.job);
+        samples.push_back(plan.factors);
     }
-    const std::vector<std::string> inputs = inputs_of_drafts(jobs);
+    const std::vector<std::string> inputs = inputs_of_plans(jobs);
     Stopwatch watch;
     planner::plan_samples(patient, patient.planned_case().approaches.front(), samples,
         [&](std::size_t s, planner::PlanAttempt planned) {
@@ -287,7 +287,7 @@ void plan_drafts_here(const std::vector<SampleDraft>& drafts, const fs::path& fo
             status.disk_bytes = size_of(out);
             write_job_status(out, status);
         },
-        job, { .error_bars = false, .draft = true });
+        job, { .error_bars = false, .draft = draft, .find_region = true });
 }
 
 } // namespace retractor::ui::cli

@@ -162,8 +162,8 @@ namespace {
     {
         for (const BoneMetrics& bone : field.bones)
             if (bone.opening_at_limit_mm)
-                sentences.push_back(capital(bone_in_words(bone.name)) + " would break from "
-                    + two_digits(std::floor(*bone.opening_at_limit_mm)) + " mm on.");
+                sentences.push_back(
+                    capital(bone_in_words(bone.name)) + " would break from " + opening_at_limit_text(bone) + " on.");
         for (const TissueStrain& tissue : field.tissue_strain)
             if (may_tear(tissue))
                 sentences.push_back(

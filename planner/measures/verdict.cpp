@@ -98,8 +98,7 @@ namespace {
         for (const BoneMetrics& bone : field.bones) {
             const std::string name = capital(bone_in_words(bone.name));
             if (bone.opening_at_limit_mm)
-                say(said, Light::injury,
-                    name + " would break from " + two_digits(std::floor(*bone.opening_at_limit_mm)) + " mm on.");
+                say(said, Light::injury, name + " would break from " + opening_at_limit_text(bone) + " on.");
             else if (bone.capacity_Nm && bone.utilisation > kNearBreaking)
                 say(said, Light::caution, name + " comes near breaking.");
         }

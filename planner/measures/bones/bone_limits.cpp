@@ -19,7 +19,7 @@ namespace {
 
     // Middles of the parts of a rib round the chest; between them the capacity is linear.
     constexpr double kPosteriorDeg = 45.0, kLateralDeg = 90.0, kAnteriorDeg = 135.0;
-    /// Openings are told to whole millimetres, and the uninjured one rounded down.
+    /// Openings are told to whole millimetres, rounded down.
     constexpr double kWholeMm = 1.0;
 
     double between(double from, double to, double share) { return from + std::clamp(share, 0.0, 1.0) * (to - from); }
@@ -222,6 +222,12 @@ std::string attainable_text(const FieldMetrics& field)
     return "with injury: " + joined(injured);
 }
 
+std::string opening_at_limit_text(const BoneMetrics& bone)
+{
+    RETRACTOR_ASSERT(bone.opening_at_limit_mm);
+    return formatted("%.0f mm", std::floor(*bone.opening_at_limit_mm / kWholeMm) * kWholeMm);
+}
+
 std::string bones_text(const FieldMetrics& field)
 {
     if (field.attainable == Attainable::no)
@@ -243,15 +249,14 @@ std::string bones_text(const FieldMetrics& field)
                    capital(bone_in_words(bone.name)).c_str(), bone.moment_Nm, place_text(bone).c_str(),
                    100.0 * bone.utilisation, *bone.capacity_Nm)
             + rough_text(field);
-    std::string text = formatted("%s would break %s, from an opening of about %.0f mm on (%.1f N m; tested ribs broke "
-                                 "at about %.1f N m).",
-        capital(bone_in_words(bone.name)).c_str(), place_text(bone).c_str(), std::floor(*bone.opening_at_limit_mm),
+    std::string text = formatted("%s would break %s, from an opening of about %s on (%.1f N m; tested ribs broke at "
+                                 "about %.1f N m).",
+        capital(bone_in_words(bone.name)).c_str(), place_text(bone).c_str(), opening_at_limit_text(bone).c_str(),
         bone.moment_Nm, *bone.capacity_Nm);
     std::vector<std::string> others;
     for (const BoneMetrics& other : field.bones)
         if (&other != &bone && other.opening_at_limit_mm)
-            others.push_back(formatted(
-                "%s from about %.0f mm on", bone_in_words(other.name).c_str(), std::floor(*other.opening_at_limit_mm)));
+            others.push_back(bone_in_words(other.name) + " from about " + opening_at_limit_text(other) + " on");
     if (!others.empty())
         text += " Also " + joined(others) + ".";
     return text + uninjured_text(field) + rough_text(field);

@@ -70,6 +70,10 @@ bool breaks_bone(const FieldMetrics& field);
 /// "yes", "with_injury", "no", "unknown": the words of metrics.json.
 std::string_view to_string(Attainable attainable);
 
+/// "27 mm": the opening from which the bone would break, rounded down.
+/// @pre bone.opening_at_limit_mm is set
+std::string opening_at_limit_text(const BoneMetrics& bone);
+
 /// "rib 5 on the left", "the sternum".
 std::string bone_in_words(std::string_view label);
 /// The text with a capital letter first.

@@ -80,7 +80,8 @@ namespace {
         const auto n = static_cast<std::ptrdiff_t>(at);
         surfaces.options.fixed.erase(surfaces.options.fixed.begin() + n);
         surfaces.names.erase(surfaces.names.begin() + n);
-        surfaces.gives_way_mm.erase(surfaces.gives_way_mm.begin() + n);
+        if (!surfaces.gives_way_mm.empty())
+            surfaces.gives_way_mm.erase(surfaces.gives_way_mm.begin() + n);
     }
 
     struct ContactTest {
@@ -276,22 +277,32 @@ ContactOpening open_with_contact(const fem::ElasticProblem& problem, ContactMode
     return { .opened = open({}, nullptr, {}, job) };
 }
 
-std::optional<ContactOpening> open_touching_from(
-    const OpenedWall& start, const ContactSurfaces& surfaces, const OpenOnce& open, const Job& job)
+std::optional<ContactOpening> open_touching_from(const OpenedWall& start, const fem::ElasticProblem& problem,
+    const ContactSurfaces& surfaces, const OpenOnce& open, const Job& job)
 {
     RETRACTOR_ASSERT(start.touchable);
-    ContactSurfaces touchable = surfaces;
-    for (std::size_t n = touchable.names.size(); n-- > 0;)
-        if (std::ranges::find(*start.touchable, touchable.names[n]) == start.touchable->end())
-            leave_out(touchable, n);
+    ContactSurfaces touchable = surfaces, others = surfaces;
+    for (std::size_t n = surfaces.names.size(); n-- > 0;)
+        leave_out(std::ranges::count(*start.touchable, surfaces.names[n]) > 0 ? others : touchable, n);
     TimeLimit limit(job, kLeastTenNodeContactS);
-    ContactOpening solved { .opened = open(touchable.options, &start, {}, limit.job()) };
-    if (job.cancelled())
-        return solved;
-    if (!is_usable(solved.opened.opening))
+    ContactOpening solved;
+    try {
+        solved.opened = open(touchable.options, &start, {}, limit.job());
+    } catch (const Error&) { // the search from rest may have an answer
         return std::nullopt;
-    solved.contact = of_solution(solved.opened.opening, touchable);
-    solved.contact->needed = true;
+    }
+    const fem::OpeningResult& opening = solved.opened.opening;
+    if (!is_usable(opening))
+        return job.cancelled() ? std::optional(std::move(solved)) : std::nullopt;
+    if (limit.is_over() && opening.inverted_elements > 0 && !job.cancelled())
+        return std::nullopt; // the time was up before they were turned back
+    if (!others.names.empty()) {
+        const ContactMetrics passed = test_of(opening, with_four_nodes(problem), others).metrics;
+        if (passed.needed.value_or(false) && !passed.with.empty())
+            return std::nullopt; // an organ gives way no longer
+    }
+    solved.contact = of_solution(opening, touchable);
+    solved.contact->needed = solved.contact->touching > 0;
     solved.opened.touchable = start.touchable;
     return solved;
 }

@@ -100,12 +100,14 @@ struct ContactOpening {
 ContactOpening open_with_contact(const fem::ElasticProblem& problem, ContactMode mode, const ContactSurfaces& surfaces,
     const OpenOnce& open, bool can_touch, const Job& job);
 
-/// Opens a wound with contact from an opening of the same wall with other tissue that has contact.
-/// @returns nothing where this finds no equilibrium within kLeastTenNodeContactS: open_with_contact() then begins at rest
-/// @throws as `open`
+/// Opens a wound with contact from an opening of the same wall with other tissue that has contact. All hooks are blades
+/// in contact: others begin at rest (open_wall()).
+/// @param surfaces all of them; the wall is held off those that the start could touch
+/// @returns nothing where this finds no equilibrium within kLeastTenNodeContactS, and where the wall passes through
+/// another organ than before: open_with_contact() then begins at rest
 /// @pre start.touchable is set
-std::optional<ContactOpening> open_touching_from(
-    const OpenedWall& start, const ContactSurfaces& surfaces, const OpenOnce& open, const Job& job);
+std::optional<ContactOpening> open_touching_from(const OpenedWall& start, const fem::ElasticProblem& problem,
+    const ContactSurfaces& surfaces, const OpenOnce& open, const Job& job);
 
 /// Opens a wound without contact from an opening of the same wall with other tissue.
 /// @returns nothing where this finds no equilibrium, or where surfaces then pass through each other and the mode is not

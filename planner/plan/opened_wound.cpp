@@ -643,8 +643,9 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
     if (planned_case.contact != ContactMode::never)
         surfaces = contact_surfaces(planned_case.label_table, field.approach, patient);
     std::optional<ContactOpening> from_start;
-    if (start != nullptr && planned_case.contact == ContactMode::automatic && start->touchable)
-        from_start = open_touching_from(*start, surfaces, open, job);
+    const bool all_blades = field.problem.blades.size() == field.problem.hooks.size(); // as open_wall() asks
+    if (start != nullptr && planned_case.contact == ContactMode::automatic && start->touchable && all_blades)
+        from_start = open_touching_from(*start, field.problem, surfaces, open, job);
     else if (start != nullptr && planned_case.contact != ContactMode::always)
         from_start = open_without_contact_from(*start, field.problem, planned_case.contact, surfaces, open, job);
     ContactOpening solved = from_start ? *std::move(from_start) : solve_or_hold(field, [&] {

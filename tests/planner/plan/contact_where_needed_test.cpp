@@ -256,8 +256,8 @@ namespace contact_where_needed_test {
     {
         PlannedField field = plate_under_blade(1.5);
         const ContactSurfaces heart = heart_at(-0.5);
-        ContactSurfaces both = heart; // what gives way is not touched
-        both.options.fixed.push_back(floor_at(-1.2));
+        ContactSurfaces both = heart; // the lung before the heart gives way and is not touched
+        both.options.fixed.push_back(floor_at(-0.2));
         both.names.emplace_back("lung");
         both.gives_way_mm = { 0.0, 5.0 };
         const ContactOpening first = opened(field, ContactMode::automatic, heart);
@@ -265,7 +265,8 @@ namespace contact_where_needed_test {
         EXPECT_FALSE(opened(field, ContactMode::never).opened.touchable);
         for (fem::Material& material : field.problem.material_of_label)
             material.youngs_modulus_MPa *= 1.5;
-        const std::optional<ContactOpening> stiffer = open_touching_from(first.opened, both, opener_of(field), {});
+        const std::optional<ContactOpening> stiffer
+            = open_touching_from(first.opened, field.problem, both, opener_of(field), {});
         ASSERT_TRUE(stiffer && stiffer->contact);
         EXPECT_EQ(stiffer->contact->needed, true);
         EXPECT_TRUE(stiffer->contact->computed);
@@ -273,10 +274,14 @@ namespace contact_where_needed_test {
         const ContactOpening from_rest = opened(field, ContactMode::always, heart);
         expect_same(*stiffer, from_rest);
         EXPECT_GT(force_of(*stiffer), 1.2 * force_of(first));
+        both.gives_way_mm = { 0.0, 0.1 };
+        EXPECT_FALSE(open_touching_from(first.opened, field.problem, both, opener_of(field), {}))
+            << "the lung gives way no longer";
         std::atomic<bool> cancelled { true };
         Job job;
         job.cancel = &cancelled;
-        const std::optional<ContactOpening> none = open_touching_from(first.opened, both, opener_of(field), job);
+        const std::optional<ContactOpening> none
+            = open_touching_from(first.opened, field.problem, both, opener_of(field), job);
         ASSERT_TRUE(none);
         EXPECT_EQ(none->opened.opening.status, fem::OpeningStatus::cancelled);
     }

@@ -814,6 +814,16 @@ namespace {
         return found;
     }
 
+    /// Notes how the region of a field was found.
+    void take_region(RegionMetrics& region, const RegionMetrics& found)
+    {
+        region.ended_by = found.ended_by;
+        region.message = found.message;
+        region.drafts = found.drafts;
+        region.force_change = found.force_change;
+        region.seconds = found.seconds;
+    }
+
     /// The whole wall where it is small enough, or the region by drafts.
     FoundRegion whole_or_found_region(
         Patient& patient, const Approach& approach, double whole_mm, const PlanChecks& checks, const Job& job)
@@ -909,12 +919,7 @@ PlannedField plan_in_region(Patient& patient, const Approach& approach, const Jo
         with_region.sizing = found_sizing(approach.sizing, found.region_mm);
         try {
             PlannedField field = plan_as_accurately_as_asked(patient, with_region, job, checks, watch);
-            RegionMetrics& region = field.metrics.region;
-            region.ended_by = found.measures.ended_by;
-            region.message = found.measures.message;
-            region.drafts = found.measures.drafts;
-            region.force_change = found.measures.force_change;
-            region.seconds = found.measures.seconds;
+            take_region(field.metrics.region, found.measures);
             return field;
         } catch (const MemoryRefusal&) {
             if (found.measures.drafts == 0)
@@ -929,65 +934,84 @@ PlannedField plan_in_region(Patient& patient, const Approach& approach, const Jo
     return field;
 }
 
+namespace {
+
+    /// As plan_samples(), in the region of the approach.
+    void plan_samples_in_region(Patient& patient, const Approach& approach, std::span<const StiffnessFactors> samples,
+        const std::function<void(std::size_t, PlanAttempt)>& on_planned, const Job& job, const PlanChecks& checks)
+    {
+        CutApproach made;
+        if (!mesh_and_cut(made, patient, approach, job, checks)) {
+            for (std::size_t s = 0; s < samples.size() && !job.cancelled(); ++s)
+                on_planned(s, { .field = made.field, .failure = {} });
+            return;
+        }
+        const auto is_own = [](const StiffnessFactors& factors) { return factors.empty(); };
+        std::optional<OpenedWall> start;
+        {
+            CutApproach own = made;
+            OpenedWound wound;
+            if (std::ranges::any_of(samples, is_own)) {
+                open_and_measure(own, wound, patient, nullptr, job, checks);
+            } else {
+                release_tension(own.field, own.cut, own.uncut, patient);
+                open_cut_wall(own.field, wound, std::move(own.cut), patient, *patient.labels(), nullptr,
+                    checks.opening_time_s, job);
+            }
+            if (job.cancelled())
+                return;
+            if (is_usable(own.field.opening) && !own.field.contact_was_lost)
+                start = opened_wall_of(own.field, wound);
+            for (std::size_t s = 0; s < samples.size(); ++s)
+                if (is_own(samples[s]))
+                    on_planned(s, { .field = own.field, .failure = {} });
+        }
+        made.field.metrics.seconds.clear(); // mesh and cut were made once
+        for (std::size_t s = 0; s < samples.size() && !job.cancelled(); ++s) {
+            if (samples[s].empty())
+                continue;
+            patient.set_stiffness_factors(samples[s]);
+            PlanAttempt sample;
+            try {
+                CutApproach own = made;
+                OpenedWound wound;
+                open_and_measure(own, wound, patient, start ? &*start : nullptr, job, checks);
+                sample.field = std::move(own.field);
+            } catch (const SolverError& error) {
+                sample.failure = error.what();
+            } catch (const InputError& error) {
+                sample.failure = error.what();
+            }
+            if (!job.cancelled())
+                on_planned(s, std::move(sample));
+        }
+    }
+
+} // namespace
+
 void plan_samples(Patient& patient, const Approach& approach, std::span<const StiffnessFactors> samples,
     const std::function<void(std::size_t, PlanAttempt)>& on_planned, const Job& job, const PlanChecks& checks)
 {
     patient.set_stiffness_factors({});
-    if (checks.find_region && !approach.sizing.region_mm) {
-        check_approach(approach);
-        check_plausible(patient.planned_case(), approach);
-        Approach with_region = approach;
-        const FoundRegion found = whole_or_found_region(
-            patient, approach, whole_region_mm(*patient.labels(), approach.incision), checks, job);
-        with_region.sizing = found_sizing(approach.sizing, found.region_mm);
-        plan_samples(patient, with_region, samples, on_planned, job, checks);
+    if (!checks.find_region || approach.sizing.region_mm) {
+        plan_samples_in_region(patient, approach, samples, on_planned, job, checks);
         return;
     }
-    CutApproach made;
-    if (!mesh_and_cut(made, patient, approach, job, checks)) {
-        for (std::size_t s = 0; s < samples.size(); ++s)
-            on_planned(s, { .field = made.field, .failure = {} });
+    check_approach(approach);
+    check_plausible(patient.planned_case(), approach);
+    const double whole_mm = whole_region_mm(*patient.labels(), approach.incision);
+    const FoundRegion found = whole_or_found_region(patient, approach, whole_mm, checks, job);
+    if (found.cancelled || job.cancelled())
         return;
-    }
-    const auto is_own = [](const StiffnessFactors& factors) { return factors.empty(); };
-    std::optional<OpenedWall> start;
-    {
-        CutApproach own = made;
-        OpenedWound wound;
-        if (std::ranges::any_of(samples, is_own)) {
-            open_and_measure(own, wound, patient, nullptr, job, checks);
-        } else {
-            release_tension(own.field, own.cut, own.uncut, patient);
-            open_cut_wall(
-                own.field, wound, std::move(own.cut), patient, *patient.labels(), nullptr, checks.opening_time_s, job);
-        }
-        if (job.cancelled())
-            return;
-        if (is_usable(own.field.opening) && !own.field.contact_was_lost)
-            start = opened_wall_of(own.field, wound);
-        for (std::size_t s = 0; s < samples.size(); ++s)
-            if (is_own(samples[s]))
-                on_planned(s, { .field = own.field, .failure = {} });
-    }
-    made.field.metrics.seconds.clear(); // mesh and cut were made once
-    for (std::size_t s = 0; s < samples.size() && !job.cancelled(); ++s) {
-        if (samples[s].empty())
-            continue;
-        patient.set_stiffness_factors(samples[s]);
-        PlanAttempt sample;
-        try {
-            CutApproach own = made;
-            OpenedWound wound;
-            open_and_measure(own, wound, patient, start ? &*start : nullptr, job, checks);
-            sample.field = std::move(own.field);
-        } catch (const SolverError& error) {
-            sample.failure = error.what();
-        } catch (const InputError& error) {
-            sample.failure = error.what();
-        }
-        if (!job.cancelled())
-            on_planned(s, std::move(sample));
-    }
+    Approach with_region = approach;
+    with_region.sizing = found_sizing(approach.sizing, found.region_mm);
+    plan_samples_in_region(
+        patient, with_region, samples,
+        [&](std::size_t sample, PlanAttempt planned) {
+            take_region(planned.field.metrics.region, found.measures);
+            on_planned(sample, std::move(planned));
+        },
+        job, checks);
 }
 
 namespace {

@@ -36,8 +36,8 @@ struct PlanChecks {
     /// Also solves the largest uninjured opening where a bone would break (uninjured_opening.h); plan_all() then plans
     /// such an approach once more with this bone divided, and puts this field behind that of the approach.
     bool injury_options = false;
-    /// plan_in_region() finds the region of an approach that gives none, once for all its meshes; otherwise the region
-    /// is kFirstRegionMm. plan_approach() takes the region as it is.
+    /// plan_in_region() and plan_samples() find the region of an approach that gives none, once for all its meshes;
+    /// otherwise the region is kFirstRegionMm. plan_approach() takes the region as it is.
     bool find_region = false;
     /// A wall that lies within this distance of the incision is meshed whole, mm, where the plan's edges are as long as
     /// a draft's, 12 mm. Of a larger wall, or with shorter edges, drafts show how much moves (found_region.h).

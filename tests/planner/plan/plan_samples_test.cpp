@@ -125,10 +125,13 @@ namespace plan_samples_test {
 
     TEST(PlanSamples, TakeTheWholeWallWhereTheRegionIsToBeFound)
     {
-        const Case planned_case = drafted("samples_region", with_hooks);
+        Case planned_case = drafted("samples_region", with_hooks);
+        planned_case.approaches.front().sizing.corridor_edge_mm = 12.0; // drafts of shorter edges find a region
+        planned_case.approaches.front().sizing.coarse_edge_mm = 20.0;
         Patient patient(planned_case, {});
         const Approach& approach = planned_case.approaches.front();
         ASSERT_FALSE(approach.sizing.region_mm);
+        std::size_t planned = 0;
         for (const bool find_region : { false, true }) {
             PlanChecks checks = kDraft;
             checks.find_region = find_region;
@@ -137,11 +140,13 @@ namespace plan_samples_test {
                 [&](std::size_t, const PlanAttempt& attempt) {
                     ASSERT_TRUE(attempt.failure.empty()) << attempt.failure;
                     EXPECT_EQ(attempt.field.approach.sizing.region_mm.has_value(), find_region);
-                    constexpr double kHalfMm = 35.0; // the block is at least 70 mm wide
-                    EXPECT_TRUE(!find_region || *attempt.field.approach.sizing.region_mm > kHalfMm);
+                    EXPECT_EQ(attempt.field.metrics.region.ended_by,
+                        find_region ? RegionEnd::whole : RegionEnd::not_searched);
+                    ++planned;
                 },
                 {}, checks);
         }
+        EXPECT_EQ(planned, 2U);
     }
 
     TEST(PlanSamples, EndWhereTheyAreCancelled)

@@ -257,7 +257,7 @@ struct ContactMetrics {
     /// Where contact is computed: what the penalty leaves. Where it is not: how far surfaces pass through each other.
     double largest_penetration_mm = 0.0;
     Vec3 at = Vec3::Zero(); ///< place of the largest penetration in the opened wound, mm; zero without one
-    std::string place {}; ///< the same place beside the incision, in words; empty: not known
+    std::string place {}; ///< the same place in words, beside the incision at rest; empty: not known
     std::string with {}; ///< label of the organ of the largest penetration; empty: of the wall with itself
     double force_N = 0.0; ///< sum of the magnitudes of the points' forces
     /// Largest overlap of the surfaces at rest; the solution keeps this overlap, without a force.

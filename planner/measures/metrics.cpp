@@ -152,6 +152,8 @@ namespace {
         put(json, field, "largest_ratio", failures.largest_ratio);
         if (failures.elements > 0)
             json["at_mm"] = { failures.at.x(), failures.at.y(), failures.at.z() };
+        if (!failures.place.empty())
+            json["place"] = failures.place;
         json["believable"] = failures.believable;
         return json;
     }
@@ -334,6 +336,8 @@ namespace {
         put(json, field, "largest_penetration_mm", contact.largest_penetration_mm);
         if (contact.largest_penetration_mm > 0.0) {
             json["at_mm"] = { contact.at.x(), contact.at.y(), contact.at.z() };
+            if (!contact.place.empty())
+                json["place"] = contact.place;
             json["with"] = contact.with;
         }
         put(json, field, "force_N", contact.force_N);
@@ -811,7 +815,8 @@ std::string contact_text(const FieldMetrics& field)
         text = "contact: "
             + (contact.with.empty() ? std::string("the wall passes through itself")
                                     : "the wall passes through the " + readable(contact.with))
-            + formatted(" by up to %.1f mm, %s, which contact would prevent; contact was not computed: %s",
+            + formatted(" by up to %.1f mm, %s in the opened wound, which contact would prevent; contact was not "
+                        "computed: %s",
                 contact.largest_penetration_mm,
                 (contact.place.empty() ? "at " + in_words(contact.at) : contact.place).c_str(),
                 contact.message.c_str());

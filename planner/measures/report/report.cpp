@@ -194,7 +194,9 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                     ? escaped(force_moments_cell(*f.force_moments))
                     : escaped(force_moments_text(f));
             });
-        text_row("Force on each blade or hook", force_of_each);
+        text_row("Force on each blade or hook", [](const FieldMetrics& f) {
+            return is_solved(f) ? force_of_each(f) : "<span class=\"failed\">" + force_of_each(f) + "</span>";
+        });
         if (std::any_of(fields.begin(), fields.end(), has_limited_hooks))
             text_row("Hooks that yielded", yielded_hooks);
         text_row("Bone in the line of sight", [](const FieldMetrics& f) { return listed(bones_in_sight(f)); });
@@ -479,6 +481,12 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<p>" << escaped(strain) << ".</p>";
         if (const std::string tearing = tearing_text(field); !tearing.empty())
             out << "<p class=\"notice\">" << escaped(tearing) << ".</p>";
+        if (is_region_too_small(field))
+            out << "<p class=\"notice\">" << escaped(region_text(field)) << "</p>";
+        if (field.contact && passes_through(field))
+            out << "<p class=\"notice\">" << escaped(contact_text(field)) << ".</p>";
+        for (const std::string& implausible : field.implausible)
+            out << "<p class=\"notice\">Accepted although implausible: " << escaped(implausible) << "</p>";
         out << "<h3>How it was computed</h3><p>" << escaped(error_text(field))
             << ". Errors of the materials, the supports and the model are not included.</p>";
         write_parameters(out, field);
@@ -490,15 +498,16 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             << formatted("%.1e", field.residual) << "; " << escaped(field.mechanics_status) << ", "
             << field.inverted_elements << " elements inside out, largest volume ratio "
             << in_words(field.max_volume_ratio, 2) << ".</p>";
-        out << (is_region_too_small(field) ? "<p class=\"notice\">" : "<p>") << escaped(region_text(field)) << "</p>";
+        if (!is_region_too_small(field))
+            out << "<p>" << escaped(region_text(field)) << "</p>";
+        if (const std::string force = force_moments_text(field); !force.empty())
+            out << "<p>" << escaped(force) << ".</p>";
         for (const PressureMetrics& pressure : field.pressures)
             out << "<p>" << escaped(pressure_text(pressure)) << ".</p>";
         if (field.tension)
             out << "<p>" << escaped(tension_text(field)) << ".</p>";
-        if (field.contact)
-            out << (passes_through(field) ? "<p class=\"notice\">" : "<p>") << escaped(contact_text(field)) << ".</p>";
-        for (const std::string& implausible : field.implausible)
-            out << "<p class=\"notice\">Accepted although implausible: " << escaped(implausible) << "</p>";
+        if (field.contact && !passes_through(field))
+            out << "<p>" << escaped(contact_text(field)) << ".</p>";
         if (field.second_opinion)
             out << "<p" << (field.second_opinion->status == "agrees" ? ">" : " class=\"notice\">")
                 << escaped(opinion_text(*field.second_opinion)) << ".</p>";

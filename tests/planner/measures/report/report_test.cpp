@@ -267,8 +267,8 @@ namespace report_test {
         EXPECT_TRUE(passes_through(field));
         EXPECT_EQ(contact_text(field),
             "contact: the wall passes through the left lung by up to 3.2 mm, 38 mm along the incision, 4 mm "
-            "beside it and 12 mm deep, which contact would prevent; contact was not computed: no equilibrium with contact "
-            "was found in 30 s");
+            "beside it and 12 mm deep in the opened wound, which contact would prevent; contact was not computed: no "
+            "equilibrium with contact was found in 30 s");
         const auto document = metrics_document({ field }).at("approaches").at(0).at("contact");
         EXPECT_EQ(document.at("needed"), true);
         EXPECT_EQ(document.at("computed"), false);

@@ -39,7 +39,7 @@ namespace {
     {
         std::vector<std::string> inputs = inputs_of(jobs);
         for (std::string& text : inputs)
-            text += " from the opening of the case in the whole wall";
+            text += " from the opening of the case in the region that was found";
         return inputs;
     }
 

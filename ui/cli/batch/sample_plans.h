@@ -18,7 +18,7 @@ namespace retractor::ui::cli {
 
 /// A plan of one approach with one set of stiffness.
 struct SamplePlan {
-    BatchJob job; ///< as run_batch() would plan it
+    BatchJob job; ///< name, folder and identity; without error bars and in the region that is found
     planner::StiffnessFactors factors; ///< empty: those of the case
 };
 

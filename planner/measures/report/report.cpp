@@ -43,7 +43,7 @@ table { border-collapse: collapse; background: #fff; width: 100%; }
 th, td { border: 1px solid #d3dce4; padding: 6px 10px; text-align: right; } th:first-child, td:first-child { text-align: left; }
 thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; } .failed { color: #9aa5af; text-decoration: line-through; } .caution { color: #8a5a00; }
 .verdict { background: #fff; border-left: 10px solid #9aa5af; padding: 10px 14px; font-size: 18px; }
-.verdict b { margin-right: 8px; } .verdict.clear { border-color: #2f8f5b; } .verdict.caution { border-color: #d99a00; } .verdict.injury { border-color: #b3261e; } .verdict.unknown { border-color: #6b1410; color: #a61b1b; }
+.verdict b { margin-right: 8px; } .verdict.clear { border-color: #2f8f5b; } .verdict.caution { border-color: #d99a00; color: inherit; } .verdict.injury { border-color: #b3261e; } .verdict.unknown { border-color: #6b1410; color: #a61b1b; }
 .words td, .materials td:last-child { text-align: left; } .words td:first-child { width: 16em; } .materials { margin-top: 10px; font-size: 14px; }
 figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } figure img { width: 100%; display: block; }
 figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
@@ -161,9 +161,11 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
     void write_comparison(std::ostream& out, const std::vector<FieldMetrics>& fields)
     {
         out << "<table><thead><tr><th>Measure</th>";
-        for (const FieldMetrics& field : fields)
-            out << "<th>" << escaped(field.name)
+        for (std::size_t n = 0; n < fields.size(); ++n) {
+            const FieldMetrics& field = fields[n];
+            out << "<th>" << (fields.size() > 1 ? compared_letter(n) + " " : std::string()) << escaped(field.name)
                 << (is_solved(field) ? "" : " <span class=\"bad\">failed: do not use</span>") << "</th>";
+        }
         out << "</tr></thead><tbody>";
         for (const ComparedMeasure& row : compared_measures(fields)) {
             out << "<tr><td title=\"" << escaped(row.metric->meaning) << "\">" << escaped(row.metric->caption)

@@ -197,10 +197,10 @@ namespace {
                 if (own)
                     measures[key]["as_planned"] = *own;
                 if (shown)
-                    outcome.text
-                        += formatted("  %-28s %9s, nine of ten between %s and %s (%zu samples); as planned %s\n",
-                            caption, text(spread->median).c_str(), text(spread->low).c_str(),
-                            text(spread->high).c_str(), spread->count, own ? text(*own).c_str() : "no numbers");
+                    outcome.text += formatted("  %-28s %9s, nine of ten between %s and %s (%zu %s); as planned %s\n",
+                        caption, text(spread->median).c_str(), text(spread->low).c_str(), text(spread->high).c_str(),
+                        spread->count, spread->count == 1 ? "sample" : "samples",
+                        own ? text(*own).c_str() : "no numbers");
             };
             for (const planner::MetricField& metric : planner::metric_fields())
                 put(

@@ -183,6 +183,15 @@ TEST_F(Batch, PlansWithManyValuesOfStiffness)
     EXPECT_NEAR(there, here, kSolver * here);
     EXPECT_EQ(lines_of(fs::path(out("samples")) / "sensitivity.csv").size(), 1U + 4U * 2U);
     EXPECT_EQ(run("sensitivity " + file + " --out " + out("samples") + " --samples 0").exit_code, 2);
+    // The case's own elements are the default, and drafts do not stand for them.
+    ASSERT_EQ(run("approach remove " + file + " --name narrow").exit_code, 0);
+    const CommandRun own = run("sensitivity " + file + " --out " + out("samples") + " --samples 1 --seed 5");
+    EXPECT_EQ(own.exit_code, 0) << own.out;
+    EXPECT_NE(own.out.find("0 plans of earlier runs"), std::string::npos) << own.out;
+    EXPECT_EQ(read(fs::path(out("samples")) / "sensitivity.json")["draft"], false);
+    EXPECT_EQ(read(fs::path(out("samples")) / "jobs" / "as_planned-straight"
+                  / "metrics.json")["approaches"][0]["region"]["ended_by"],
+        "given");
     const CommandRun wrong = run("--json plan " + file + " --draft --stiffness nothing=2 --out " + out("wrong"));
     EXPECT_EQ(wrong.exit_code, 2);
     EXPECT_NE(wrong.out.find("--stiffness nothing=2"), std::string::npos) << wrong.out;

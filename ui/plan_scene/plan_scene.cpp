@@ -229,18 +229,6 @@ namespace {
         return line;
     }
 
-    /// The projection of the whole incision onto a slice, because most of the incision lies before or behind the plane.
-    LineItem projected_incision(const planner::Approach& approach, SlicePlane plane, const Vec3& point)
-    {
-        const int across = axis_across(plane);
-        LineItem line = incision_line(approach, true);
-        for (Vec3& p : line.points)
-            p[across] = point[across];
-        line.color = kCutOnSlice;
-        line.width_px = 6.0;
-        return line;
-    }
-
     /// Colours of the labels' outlines on slices.
     std::map<Label, Color> outlines_of(planner::Patient& patient, const planner::TargetSpec& target)
     {
@@ -399,8 +387,9 @@ std::vector<Scene> slice_scenes(planner::Patient& patient, const planner::Approa
     const std::map<Label, Color> outlines = outlines_of(patient, approach.target);
     std::vector<Scene> scenes = slice_scenes(patient, approach.target, outlines);
     for (Scene& scene : scenes) {
-        scene.title += ", incision projected"; // it lies in the plane only where it crosses it
-        scene.lines.push_back(projected_incision(approach, scene.slices.front().plane, scene.slices.front().point));
+        scene.lines.push_back(incision_line(approach, true)); // slice_with_lines() takes what lies near the slice
+        scene.lines.back().color = kCutOnSlice;
+        scene.lines.back().width_px = 6.0;
     }
     return scenes;
 }
@@ -491,7 +480,8 @@ Picture slices_picture(planner::Patient& patient, const planner::Approach& appro
     std::vector<Scene> upper = slice_scenes(patient, approach), lower = incision_slice_scenes(patient, approach);
     const double share = 1.0 / static_cast<double>(upper.size());
     for (std::size_t i = 0; i < upper.size(); ++i)
-        add(std::move(upper[i]), static_cast<double>(i) * share, static_cast<double>(i + 1) * share, kLowerRow, 1.0);
+        add(slice_with_lines(upper[i], upper[i].slices.front().point), static_cast<double>(i) * share,
+            static_cast<double>(i + 1) * share, kLowerRow, 1.0);
     const std::map<Label, std::string> names = label_names(patient.planned_case());
     const double middle = 2.0 / 3.0;
     for (Scene& scene : lower) {

@@ -50,7 +50,8 @@ std::vector<LegendLine> estimated_lines(std::vector<LegendLine> legend);
 /// The opened patient from outside.
 Scene overview_scene(planner::Patient& patient, const planner::PlannedField& field);
 
-/// Axial, coronal and sagittal planes through the target, with labels outlined and the incision drawn.
+/// Axial, coronal and sagittal planes through the target, with labels outlined. The incision is a line in space, of
+/// which slice_with_lines() takes what lies near a slice.
 /// @throws InputError when the case has no CT
 std::vector<Scene> slice_scenes(planner::Patient& patient, const planner::Approach& approach);
 

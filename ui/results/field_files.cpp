@@ -57,7 +57,7 @@ namespace {
             return "The surgeon's eye: through the opened incision, target highlighted.";
         if (view == "overview")
             return "Overview of the opened patient.";
-        return "Slices through the target, with the incision projected onto them (cyan), and along and across the "
+        return "Slices through the target, with the incision where it lies near them (cyan), and along and across the "
                "incision, with the cut to its depth.";
     }
 

@@ -1,12 +1,14 @@
 #include "ui/scene/linked_slices.h"
 
 #include "mesh/base/assert.h"
+#include "mesh/base/text_format.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace retractor::ui {
 
@@ -75,20 +77,42 @@ namespace {
             && (line.points.front() - line.points.back()).norm() < 1e-6;
     }
 
-    std::vector<LineItem> lines_at(const std::vector<LineItem>& lines, int axis, double at)
+    /// The part of a segment that lies near a plane, as fractions of the segment; `from` and `to` are the distances of
+    /// its ends from the plane. Nothing where no part does.
+    std::optional<std::pair<double, double>> near_part(double from, double to)
     {
-        std::vector<LineItem> moved;
-        for (const LineItem& line : lines) {
-            if (is_ball_outline(line)) {
-                if (auto outline = ball_outline_at(line, axis, at))
-                    moved.push_back(*std::move(outline));
-                continue;
-            }
-            moved.push_back(line);
-            for (Vec3& p : moved.back().points)
+        double begin = 0.0, end = 1.0;
+        if (from == to)
+            return std::abs(from) <= kNearSliceMm ? std::optional(std::pair(begin, end)) : std::nullopt;
+        const double low = (-kNearSliceMm - from) / (to - from), high = (kNearSliceMm - from) / (to - from);
+        begin = std::max(begin, std::min(low, high));
+        end = std::min(end, std::max(low, high));
+        return begin < end ? std::optional(std::pair(begin, end)) : std::nullopt;
+    }
+
+    /// The parts of a line that lie near the plane at `at` along an axis, put on this plane.
+    std::vector<LineItem> parts_near(const LineItem& line, int axis, double at)
+    {
+        std::vector<LineItem> parts;
+        bool goes_on = false;
+        for (std::size_t i = 0; i + 1 < line.points.size(); ++i) {
+            const Vec3 &from = line.points[i], &to = line.points[i + 1];
+            const auto near = near_part(from[axis] - at, to[axis] - at);
+            const auto add = [&](double fraction) {
+                Vec3 p = from + fraction * (to - from);
                 p[axis] = at;
+                parts.back().points.push_back(p);
+            };
+            if (near && !goes_on) {
+                parts.push_back(line);
+                parts.back().points.clear();
+                add(near->first);
+            }
+            if (near)
+                add(near->second);
+            goes_on = near && near->second == 1.0;
         }
-        return moved;
+        return parts;
     }
 
     /// "LPS 12, -30, 104 mm: 54 HU, aorta"
@@ -177,16 +201,37 @@ std::vector<LineItem> mark_at(const Vec3& place, double half_length_mm)
 
 bool is_linked_slice(const Scene& scene) { return scene.slices.size() == 1 && !scene.slices.front().oblique; }
 
+Scene slice_with_lines(Scene scene, const Vec3& point)
+{
+    SliceItem& slice = scene.slices.front();
+    slice.point = point;
+    const int axis = axis_across(slice.plane);
+    bool has_part = false;
+    std::vector<LineItem> lines;
+    for (const LineItem& line : scene.lines)
+        if (is_ball_outline(line)) {
+            if (auto outline = ball_outline_at(line, axis, point[axis]))
+                lines.push_back(*std::move(outline));
+        } else {
+            for (LineItem& part : parts_near(line, axis, point[axis])) {
+                lines.push_back(std::move(part));
+                has_part = true;
+            }
+        }
+    scene.lines = std::move(lines);
+    if (has_part)
+        scene.title += formatted(", incision within %.0f mm", kNearSliceMm);
+    return scene;
+}
+
 std::vector<Scene> slices_at(std::vector<Scene> scenes, const Vec3& point, const std::map<Label, std::string>& names)
 {
     bool has_probe = false;
     for (Scene& scene : scenes) {
         if (!is_linked_slice(scene))
             continue;
-        SliceItem& slice = scene.slices.front();
-        const int axis = axis_across(slice.plane);
-        scene.lines = lines_at(scene.lines, axis, point[axis]);
-        slice.point = point;
+        scene = slice_with_lines(std::move(scene), point);
+        const SliceItem& slice = scene.slices.front();
         const Box box = box_of(slice.image->grid);
         for (const SlicePlane other : { SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal })
             if (other != slice.plane)

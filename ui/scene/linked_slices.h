@@ -45,9 +45,17 @@ std::vector<LineItem> mark_at(const Vec3& place, double half_length_mm);
 /// Whether a scene is a slice that slices_at() moves.
 bool is_linked_slice(const Scene& scene);
 
-/// The same scenes with the slices through another point: lines are projected onto the new planes, the outline of a
-/// ball (a closed circle named "target") shrinks with the distance from its centre, thin lines show where the other
-/// planes lie, and the first slice says place, Hounsfield value and label at the point.
+/// Farther from a slice an incision would seem to lie across organs through which it does not go.
+inline constexpr double kNearSliceMm = 10.0;
+
+/// A slice through another point, with those parts of its lines (incisions, in space) that lie near its plane, put on
+/// the plane; the title says so where there are any. The outline of a ball (a closed circle named "target") shrinks
+/// with the distance from its centre.
+/// @pre is_linked_slice(scene)
+Scene slice_with_lines(Scene scene, const Vec3& point);
+
+/// The same scenes with slice_with_lines() through another point; thin lines show where the other planes lie, and the
+/// first slice says place, Hounsfield value and label at the point.
 /// @param names how labels are named; a label without a name is left out
 std::vector<Scene> slices_at(std::vector<Scene> scenes, const Vec3& point, const std::map<Label, std::string>& names);
 

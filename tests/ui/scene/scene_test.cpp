@@ -356,7 +356,36 @@ namespace scene_test {
         ASSERT_EQ(moved[0].notes.size(), 1U);
         EXPECT_EQ(moved[0].notes[0], "LPS 2, -4, 6 mm: 55 HU, aorta (estimated)");
         EXPECT_TRUE(moved[1].notes.empty());
-        EXPECT_EQ(slices_at(linked_slices(), Vec3(0.0, 0.0, 30.0), {})[0].lines.size(), 3U) << "no ball there";
+        EXPECT_EQ(slices_at(linked_slices(), Vec3(0.0, 0.0, 30.0), {})[0].lines.size(), 2U) << "no ball, no cut there";
+    }
+
+    TEST(LinkedSlices, ShowTheIncisionOnlyWhereItLiesNearThem)
+    {
+        Scene scene = linked_slices()[0];
+        scene.title = "axial";
+        scene.lines = { { .name = "incision" } };
+        for (int n = -40; n <= 40; ++n) // twice through the plane
+            scene.lines[0].points.emplace_back(n, 0.0, std::abs(n) - 20.0);
+        const Scene there = slice_with_lines(scene, Vec3::Zero());
+        EXPECT_EQ(there.title, "axial, incision within 10 mm");
+        ASSERT_EQ(there.lines.size(), 2U);
+        for (const LineItem& part : there.lines) {
+            EXPECT_EQ(part.points.size(), 21U); // 10 mm on both sides of 20 mm
+            for (const Vec3& p : part.points) {
+                EXPECT_EQ(p.z(), 0.0);
+                EXPECT_LE(std::abs(std::abs(p.x()) - 20.0), kNearSliceMm);
+            }
+        }
+        // One long segment through the plane is clipped, and goes on from one side to the other.
+        scene.lines[0].points = { Vec3(0.0, 0.0, -40.0), Vec3(80.0, 0.0, 40.0) };
+        const Scene through = slice_with_lines(scene, Vec3::Zero());
+        ASSERT_EQ(through.lines.size(), 1U);
+        ASSERT_EQ(through.lines[0].points.size(), 2U);
+        EXPECT_NEAR((through.lines[0].points[0] - Vec3(30.0, 0.0, 0.0)).norm(), 0.0, kRoundOff);
+        EXPECT_NEAR((through.lines[0].points[1] - Vec3(50.0, 0.0, 0.0)).norm(), 0.0, kRoundOff);
+        const Scene far = slice_with_lines(scene, Vec3(0.0, 0.0, 60.0));
+        EXPECT_TRUE(far.lines.empty());
+        EXPECT_EQ(far.title, "axial");
     }
 
     TEST(LinkedSlices, StepsGoTowardsHeadFrontAndLeftAndStayWithinTheImage)

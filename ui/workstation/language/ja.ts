@@ -4664,16 +4664,16 @@
         <translation>ほかの目の位置：標的からの距離</translation>
     </message>
     <message>
-        <source>axial, incision projected</source>
-        <translation>横断、切開を投影</translation>
+        <source>axial, incision within %1 mm</source>
+        <translation>横断、切開（%1 mm以内）</translation>
     </message>
     <message>
-        <source>coronal, incision projected</source>
-        <translation>冠状断、切開を投影</translation>
+        <source>coronal, incision within %1 mm</source>
+        <translation>冠状断、切開（%1 mm以内）</translation>
     </message>
     <message>
-        <source>sagittal, incision projected</source>
-        <translation>矢状断、切開を投影</translation>
+        <source>sagittal, incision within %1 mm</source>
+        <translation>矢状断、切開（%1 mm以内）</translation>
     </message>
     <message>
         <source>axial</source>
@@ -5240,8 +5240,8 @@
         <translation>開いた患者の全体像。</translation>
     </message>
     <message>
-        <source>Slices through the target, with the incision projected onto them (cyan), and along and across the incision, with the cut to its depth.</source>
-        <translation>標的を通る断面（切開を投影：水色）と、切開に沿う断面・直交する断面（切離の深さまで）。</translation>
+        <source>Slices through the target, with the incision where it lies near them (cyan), and along and across the incision, with the cut to its depth.</source>
+        <translation>標的を通る断面（近くにある切開を水色で表示）と、切開に沿う断面・直交する断面（切離の深さまで）。</translation>
     </message>
     <message>
         <source>To check on the skin in the theatre: The incision starts on the midline and ends on the midline.</source>

@@ -17,7 +17,7 @@ namespace retractor::ui {
 namespace {
 
     constexpr int kCaptionHeight = 24, kRowHeight = 20, kGap = 8; // pixels
-    constexpr int kLetterWidth = 18, kNumberWidth = 112;
+    constexpr int kLetterWidth = 18, kNumberGap = 6;
     const QColor kText(0xe4, 0xe8, 0xeb), kFaintText(0xa4, 0xad, 0xb5), kLeader(0x7c, 0xd9, 0x92);
 
     int height_of(const planner::ComparedMeasure& measure)
@@ -44,6 +44,18 @@ namespace {
         for (const planner::ComparedNumber& number : measure.numbers)
             largest = std::max(largest, std::abs(number.value) + number.bar.value_or(0.0));
         return largest > 0.0 ? largest : 1.0;
+    }
+
+    /// The width of the longest number, in bold as a leader is drawn.
+    int width_of_numbers(const std::vector<planner::ComparedMeasure>& measures, QFont font)
+    {
+        font.setBold(true);
+        const QFontMetrics bold(font);
+        int widest = 0;
+        for (const planner::ComparedMeasure& measure : measures)
+            for (std::size_t n = 0; n < measure.numbers.size(); ++n)
+                widest = std::max(widest, bold.horizontalAdvance(text_of(measure, n)));
+        return widest;
     }
 
 } // namespace
@@ -78,7 +90,9 @@ void ComparisonChart::show_fields(const std::vector<planner::FieldMetrics>& fiel
         spoken += "\n";
     }
     setAccessibleDescription(spoken);
-    setMinimumHeight(height);
+    number_width_ = kNumberGap + width_of_numbers(measures_, font());
+    constexpr int kShortestBar = 40;
+    setMinimumSize(kLetterWidth + kShortestBar + number_width_, height);
     update();
 }
 
@@ -86,7 +100,7 @@ void ComparisonChart::paintEvent(QPaintEvent*)
 {
     QPainter painter(this);
     painter.setRenderHint(QPainter::Antialiasing);
-    const double left = kLetterWidth, right = width() - kNumberWidth, room = std::max(10.0, right - left);
+    const double left = kLetterWidth, right = width() - number_width_, room = std::max(10.0, right - left);
     double y = 0.0;
     for (const planner::ComparedMeasure& measure : measures_) {
         painter.setPen(kFaintText);
@@ -115,8 +129,8 @@ void ComparisonChart::paintEvent(QPaintEvent*)
                     painter.drawLine(QPointF(from, middle - 4.0), QPointF(from, middle + 4.0));
             }
             painter.setPen(leads ? kLeader : kText);
-            painter.drawText(QRectF(right + 6.0, y, kNumberWidth - 6.0, kRowHeight), Qt::AlignVCenter | Qt::AlignRight,
-                text_of(measure, n));
+            painter.drawText(QRectF(right + kNumberGap, y, number_width_ - kNumberGap, kRowHeight),
+                Qt::AlignVCenter | Qt::AlignRight, text_of(measure, n));
             font.setBold(false);
             painter.setFont(font);
         }

@@ -282,6 +282,7 @@ void MainWindow::make_editor()
         save_case();
     };
     editor_->on_state = [this] { show_all(); };
+    editor_->on_wall_look = [this](WallLook look) { set_wall_look(look); };
     editor_->on_message = [this](const QString& text) { show_message(text); };
     editor_->on_failure = [this](const Failure& failure) {
         show_error(with_controls(failure));

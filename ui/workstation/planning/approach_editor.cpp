@@ -153,6 +153,10 @@ void ApproachEditor::begin(std::vector<Vec3> points, const QString& message)
     model_->set_show_opened(false); // the skin is drawn on before it is cut
     if (!is_drawn_on(model_->view()) || !model_->view_available(model_->view()))
         model_->set_view(ViewPreset::overview);
+    model_->set_cut_shown(false);
+    made_see_through_ = model_->wall_look() == WallLook::solid;
+    if (made_see_through_) // who cuts between ribs must see them
+        on_wall_look(WallLook::see_through);
     on_state(); // shows the closed patient
     tool_.begin(std::move(points), model_->shown_state().closed->skin_under);
     on_state();
@@ -194,6 +198,9 @@ void ApproachEditor::end_drawing()
     ++drawings_;
     tool_.end();
     model_->set_show_opened(opened_before_);
+    model_->set_cut_shown(true);
+    if (std::exchange(made_see_through_, false) && model_->wall_look() == WallLook::see_through)
+        on_wall_look(WallLook::solid);
 }
 
 void ApproachEditor::finish_moving()

@@ -64,6 +64,7 @@ public:
     std::function<void()> on_state; ///< drawing began or ended, or work did
     std::function<void(const QString&)> on_message; ///< what to do next, or what was done
     std::function<void(const Failure&)> on_failure;
+    std::function<void(WallLook)> on_wall_look; ///< shows the patient's wall so
 
 private:
     using Make = std::function<planner::Approach()>;
@@ -90,6 +91,7 @@ private:
     std::vector<Vec3> moved_from_ {}; ///< the points before they were moved
     int drawings_ = 0; ///< number of drawings begun and ended; what was made for an older one is dropped
     bool opened_before_ = true; ///< whether the opened field was shown before the drawing
+    bool made_see_through_ = false; ///< the wall was solid before the drawing, and shows the ribs during it
     QPointer<ApproachDialog> dialog_; ///< the open dialog
     int generation_ = 0; ///< number of the case; approaches for an older case are dropped
     int working_ = 0;

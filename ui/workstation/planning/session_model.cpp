@@ -594,7 +594,7 @@ Scene SessionModel::looked_into(Scene scene) const
                     [&](const SurfaceItem& item) { return item.name == organ.name; }))
                 scene.surfaces.push_back(organ);
     if (const auto& closed = shown_state().closed;
-        wall_look_ != WallLook::solid && !opened_shown() && closed != nullptr && closed->cut)
+        cut_shown_ && wall_look_ != WallLook::solid && !opened_shown() && closed != nullptr && closed->cut)
         scene.surfaces.push_back(*closed->cut);
     if (const auto& place = shown_state().slice_point; place && is_drawn_on(shown_view())) // slices show it themselves
         for (const LineItem& line : mark_at(*place, kMarkMm))

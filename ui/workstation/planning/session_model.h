@@ -247,6 +247,8 @@ public:
     /// For all pictures in space. Before the cut, what lies behind the wall is then drawn, too.
     void set_wall_look(WallLook look) { wall_look_ = look; }
     WallLook wall_look() const { return wall_look_; }
+    /// Whether a wall that is seen through shows the planned cut; not while another incision is drawn.
+    void set_cut_shown(bool shown) { cut_shown_ = shown; }
     /// Cuts the patient away up to the marked place; nothing: the patient is whole.
     void set_cut_side(std::optional<CutSide> side) { cut_side_ = side; }
     std::optional<CutSide> cut_side() const { return cut_side_; }
@@ -332,6 +334,7 @@ private:
     std::shared_ptr<const mesh::LabelVolume> corrected_;
     LabelLook label_look_ = LabelLook::filled;
     WallLook wall_look_ = WallLook::solid;
+    bool cut_shown_ = true;
     std::optional<CutSide> cut_side_;
     std::shared_ptr<const std::vector<SurfaceItem>> anatomy_; ///< null: not given yet
     bool anatomy_wished_ = false;

@@ -97,6 +97,7 @@ namespace approach_editor_test {
     {
         press(Qt::Key_D);
         ASSERT_TRUE(window_.editor().drawing());
+        EXPECT_EQ(window_.model()->wall_look(), WallLook::see_through) << "the ribs are seen while one draws";
         const Vec3 first(-30.0, 0.0, 30.0), second(10.0, 0.0, 20.0), third(35.0, 0.0, -20.0);
         for (const Vec3& place : { first, second, third })
             click(place);
@@ -107,6 +108,7 @@ namespace approach_editor_test {
         accept_dialog();
         ASSERT_EQ(window_.approach_list().count(), 4) << window_.error_line();
         EXPECT_FALSE(window_.editor().drawing());
+        EXPECT_EQ(window_.model()->wall_look(), WallLook::solid);
         EXPECT_EQ(window_.model()->selected(), 3U);
         EXPECT_EQ(window_.model()->approach(3).target.label, "target");
         EXPECT_EQ(window_.not_saved(), "");

@@ -366,8 +366,10 @@ QHBoxLayout* KnifePanel::make_planned_cuts()
 {
     auto* buttons = new QHBoxLayout;
     cut_planned_ = add_button(*this, *buttons, "Cut as planned",
-        "Cut the planned incision, with all that the plan divides beyond the skin",
-        [this] { give(planner::surgery::CutAsPlanned {}); });
+        "Cut the planned incision, with all that the plan divides beyond the skin", [this] {
+            take_planned_tension();
+            give(planner::surgery::CutAsPlanned {});
+        });
     divide_ = add_button(*this, *buttons, kDivide, {}, [this] { give(planner::surgery::DivideBeyondCut {}); });
     return buttons;
 }
@@ -519,8 +521,10 @@ QWidget* KnifePanel::make_hooks()
     const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
         return add_button(*this, *buttons, text, tip, run);
     };
-    planned_ = add("As planned", "Set the hooks or the retractor of the approach and open them as planned",
-        [this] { give(planner::surgery::TakePlannedHooks {}); });
+    planned_ = add("As planned", "Set the hooks or the retractor of the approach and open them as planned", [this] {
+        take_planned_tension();
+        give(planner::surgery::TakePlannedHooks {});
+    });
     hook_off_ = add("Take off", "Remove the hook, or the retractor, that is selected in the list",
         [this] { take_off_chosen_hook(); });
     hooks_off_
@@ -719,6 +723,13 @@ void KnifePanel::set_tension(double strain)
         tension_->setCurrentIndex(index);
 }
 
+void KnifePanel::take_planned_tension()
+{
+    const bool has_none = case_tension_item_ < 0; // else the case's own is chosen from the start
+    if (has_none && !tension_by_hand_)
+        set_tension(0.0);
+}
+
 void KnifePanel::offer_case_tension(double strain)
 {
     if (case_tension_item_ >= 0) {
@@ -729,6 +740,8 @@ void KnifePanel::offer_case_tension(double strain)
             set_tension(kUsualTension / 100.0);
     }
     if (!(strain > 0.0)) {
+        if (!tension_by_hand_)
+            set_tension(kUsualTension / 100.0); // also where "as planned" took none
         tension_by_hand_ = false;
         return;
     }

@@ -83,6 +83,7 @@ private:
     QListWidget* make_cut_list();
     QWidget* make_hooks();
     void give(planner::surgery::Command command);
+    void take_planned_tension();
     void take_off_chosen_hook();
     void plan_chosen_retractor();
     void show_hooks(const planner::SurgerySnapshot* snapshot);

@@ -597,9 +597,12 @@ namespace knife_window_test {
         KnifePanel& panel = window_->knife_panel();
         ASSERT_TRUE(panel.cut_planned_button().isEnabled());
         EXPECT_FALSE(panel.divide_button().isEnabled()) << "there is no wound";
+        ASSERT_GT(panel.tension(), 0.0);
         QTest::mouseClick(&panel.cut_planned_button(), Qt::LeftButton);
         wait_until_idle();
         ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        EXPECT_EQ(panel.tension(), 0.0) << "the case, and so the plan, has none";
+        EXPECT_EQ(snapshot().tension, 0.0);
         EXPECT_TRUE(panel.list().item(0)->text().contains("as planned")) << panel.list().item(0)->text().toStdString();
         EXPECT_FALSE(panel.cut_planned_button().isEnabled());
         EXPECT_FALSE(panel.divide_button().isEnabled()) << "this approach divides nothing beyond the skin";

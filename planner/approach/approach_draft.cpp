@@ -3,6 +3,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "planner/approach/approach_templates.h"
+#include "planner/approach/divided_bones.h"
 #include "planner/approach/hooks.h"
 #include "planner/approach/intercostal_space.h"
 #include "planner/approach/retractors.h"
@@ -45,6 +46,7 @@ namespace {
             approach.uncut_labels.clear();
         if (draft.divides == Divides::space)
             approach.division.extent = DivisionExtent::full;
+        name_crossed_skeleton(approach, *labels);
         if (draft.organs_aside)
             approach.retracted = retracted_organs(labels->table, true, true, true);
         return approach;
@@ -157,9 +159,10 @@ Approach with_incision_through(Patient& patient, const Approach& approach, const
     request.target = approach.target;
     request.sizing = approach.sizing;
     request.view = approach.view;
-    Approach placed = approach_from_points(*patient.labels(), points, request).approach;
-    placed.rationale = std::string(kMovedByHand) + placed.rationale;
-    return with_incision_of(approach, placed);
+    Approach moved = with_incision_of(approach, approach_from_points(*patient.labels(), points, request).approach);
+    name_crossed_skeleton(moved, *patient.labels());
+    moved.rationale = std::string(kMovedByHand) + moved.rationale;
+    return moved;
 }
 
 Approach with_incision_of(const Approach& approach, const Approach& placed)

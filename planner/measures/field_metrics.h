@@ -414,6 +414,8 @@ struct FieldMetrics {
     double surgical_freedom_mm2 = 0.0; ///< area for the near end of an instrument (sight/instruments.h)
     double incision_length_mm = 0.0;
     double cut_depth_mm = 0.0;
+    std::vector<std::string> crossed_bones; ///< bones of the wall that the blade meets and leaves whole
+    std::vector<std::string> divided_cartilages; ///< cartilages of the wall that the blade severs
 
     std::vector<HookForce> hooks;
     std::optional<RetractorMetrics> retractor {}; ///< where a retractor opens the wound; its blades are the hooks

@@ -651,6 +651,8 @@ namespace {
         if (field.second_opinion)
             json["second_opinion"] = opinion_document(field, *field.second_opinion);
         json["bone_in_sight"] = field.bone_in_sight;
+        json["crossed_bones"] = field.crossed_bones;
+        json["divided_cartilages"] = field.divided_cartilages;
         json["blockers"] = blockers_document(field.blockers);
         json["at_risk"] = Json::array();
         for (const RiskDistance& risk : field.at_risk)

@@ -1,6 +1,8 @@
 #include "planner/measures/verdict.h"
 
 #include "mesh/base/text_format.h"
+#include "planner/anatomy/deflated_lung.h"
+#include "planner/approach/divided_bones.h"
 #include "planner/case/opening_protocol.h"
 #include "planner/measures/ball_strain.h"
 #include "planner/measures/bones/bone_limits.h"
@@ -123,6 +125,15 @@ namespace {
     }
 
     void say_tissue(const FieldMetrics& field, Sentences& said)
+    /// The blade goes round a bone that it meets, and what opens the wound pulls at this bone.
+    void say_crossed_skeleton(const FieldMetrics& field, Light light, Sentences& said)
+    {
+        if (!field.crossed_bones.empty())
+            say(said, light, crossed_bones_text(field.crossed_bones));
+        if (!field.divided_cartilages.empty())
+            say(said, light, divided_cartilages_text(field.divided_cartilages));
+    }
+
     {
         for (const TissueStrain& tissue : field.tissue_strain)
             if (may_tear(tissue))
@@ -232,9 +243,11 @@ namespace {
             say_bones(field, said);
             say_tissue(field, said);
             say_bearing(field, said);
+            say_crossed_skeleton(field, Light::unknown, said);
             say_risks(field, said);
             say_sight(field, said);
             say_opening(field, said);
+            say_crossed_skeleton(field, Light::caution, said);
             say_force(field, said);
         }
         std::ranges::stable_sort(said, is_worse);

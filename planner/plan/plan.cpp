@@ -365,6 +365,8 @@ namespace {
         const double drawn = incision_length(field.approach), found = field.geometry.incision_length_mm;
         m.incision_length_mm = std::min(found, drawn); // the edges of the elements wind about the line
         m.cut_depth_mm = field.approach.depth_mm;
+        m.crossed_bones = crossed_bones(*patient.labels(), field.approach);
+        m.divided_cartilages = divided_cartilages(*patient.labels(), field.approach);
         constexpr double kWholeEdge = 0.8; // a wound begins and ends within a few elements of the incision's ends
         if (found < kWholeEdge * drawn)
             remark(field.message,

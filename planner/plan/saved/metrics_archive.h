@@ -139,11 +139,12 @@ RETRACTOR_ARCHIVE(FieldMetrics, name, target, target_spec, seen_best_eye, seen_t
     visible_fraction_central_eye, visible_fraction_wall_removed, eye_distance_mm, cone_half_angle_deg, eyes,
     target_samples, blockers, bone_in_sight, if_organs_shift, if_lung_keeps, estimated, steel_at_risk, at_risk,
     retracted, opening_area_mm2, opening_width_mm, working_distance_mm, opening_solid_angle_sr, attack_along_deg,
-    attack_across_deg, target_offset_mm, incision_length_mm, cut_depth_mm, hooks, retractor, hook_force_N,
-    force_moments, strain_p99, strain_p99_at, tissue_strain, lip_deviation, bones, bones_rough, bones_message,
-    attainable, largest_uninjured_opening_mm, uninjured_opening, inverted_elements, max_volume_ratio, volume_failures,
-    residual, mechanics_status, solution, division, removed, removed_skin_mm2, loose_pieces, region, tets, seconds,
-    contact, pressures, tension, error, parameters, bone_stiffness, accuracy, second_opinion, implausible, explanation)
+    attack_across_deg, target_offset_mm, incision_length_mm, cut_depth_mm, crossed_bones, divided_cartilages, hooks,
+    retractor, hook_force_N, force_moments, strain_p99, strain_p99_at, tissue_strain, lip_deviation, bones, bones_rough,
+    bones_message, attainable, largest_uninjured_opening_mm, uninjured_opening, inverted_elements, max_volume_ratio,
+    volume_failures, residual, mechanics_status, solution, division, removed, removed_skin_mm2, loose_pieces, region,
+    tets, seconds, contact, pressures, tension, error, parameters, bone_stiffness, accuracy, second_opinion,
+    implausible, explanation)
 } // namespace retractor::planner
 
 #undef RETRACTOR_ARCHIVE

@@ -56,6 +56,35 @@ namespace verdict_test {
         EXPECT_EQ(verdict.sentences.size(), 3U);
     }
 
+    TEST(Verdict, BoneThatStaysWholeUnderTheIncisionIsNamed)
+    {
+        const std::string sentence
+            = "The incision crosses bone that stays whole: rib 4 on the left, rib 5 on the left.";
+        FieldMetrics field = good_field();
+        field.crossed_bones = { "rib_left_4", "rib_left_5" };
+        EXPECT_EQ(verdict_of(field).light, Light::caution);
+        EXPECT_TRUE(says(verdict_of(field), sentence));
+        field.hook_force_N = 9727.0; // pulled apart all the same
+        const Verdict impossible = verdict_of(field);
+        EXPECT_EQ(impossible.light, Light::unknown);
+        ASSERT_EQ(impossible.sentences.size(), 2U);
+        EXPECT_EQ(impossible.sentences[1], sentence);
+    }
+
+    TEST(Verdict, DividedCartilageAndAMediastinumHeldAsideAsOneAreNamed)
+    {
+        FieldMetrics field = good_field();
+        field.divided_cartilages = { "costal_cartilages" };
+        EXPECT_EQ(verdict_of(field).light, Light::caution);
+        EXPECT_TRUE(says(verdict_of(field), "The incision divides cartilage: costal cartilages."));
+        field = good_field();
+        field.retracted = { "lung_left", "mediastinum" };
+        EXPECT_EQ(verdict_of(field).light, Light::caution);
+        EXPECT_EQ(verdict_of(field).sentences.front().find("The mediastinum is held aside in one piece."), 0U);
+        field.retracted = { "lung_left", "mediastinal_fat" };
+        EXPECT_EQ(verdict_of(field).light, Light::clear);
+    }
+
     TEST(Verdict, BladesThatBearOnNoBoneAreACaution)
     {
         FieldMetrics field = good_field();

@@ -8,6 +8,7 @@
 #include "fem/statics/driven_opening.h"
 #include "mesh/base/error.h"
 #include "planner/approach/approach_templates.h"
+#include "planner/approach/divided_bones.h"
 #include "planner/approach/find_division.h"
 #include "planner/approach/hooks.h"
 #include "planner/approach/incision_guide.h"
@@ -358,6 +359,10 @@ namespace {
         if (division)
             planner::set_division(approach, *division);
         check_sternum_division(approach, patient);
+        if (!options.points.empty())
+            if (const std::string crossed = planner::name_crossed_skeleton(approach, *patient.labels());
+                !crossed.empty())
+                outcome.text += crossed + "\n";
         approach.ablations = std::move(ablations);
         approach.loose_pieces = planner::loose_pieces_from_string(options.loose).value();
         check_ablations_along(options, approach);

@@ -6476,6 +6476,54 @@
         <translation>%1 kPa 以上</translation>
     </message>
     <message>
+        <source>The incision divides cartilage: %1.</source>
+        <translation>切開線が軟骨を切離します: %1。</translation>
+    </message>
+    <message>
+        <source>The mediastinum is held aside in one piece. Vessels in it without a label are not drawn, and no distance to them is kept.</source>
+        <translation>縦隔は一塊として圧排されています。その中のラベルのない血管は描かれず、距離も保たれません。</translation>
+    </message>
+    <message>
+        <source>What the retractor or the hooks are set to. The skin's edge opens more or less than they do.</source>
+        <translation>開創器またはフックの設定値。皮膚縁の開きはこれと異なります。</translation>
+    </message>
+    <message>
+        <source>The sternum, along and across</source>
+        <translation>胸骨（縦と横）</translation>
+    </message>
+    <message>
+        <source>All tissue under the incision</source>
+        <translation>切開下のすべての組織</translation>
+    </message>
+    <message>
+        <source>Soft tissue and the sternum under the incision</source>
+        <translation>切開下の軟部組織と胸骨</translation>
+    </message>
+    <message>
+        <source>What the knife or the saw goes through.</source>
+        <translation>メスまたは鋸が切離するもの。</translation>
+    </message>
+    <message>
+        <source>not usable</source>
+        <translation>使用不可</translation>
+    </message>
+    <message>
+        <source>not usable: %1</source>
+        <translation>使用不可：%1</translation>
+    </message>
+    <message>
+        <source>The numbers are under Technical.</source>
+        <translation>数値は「技術情報」にあります。</translation>
+    </message>
+    <message>
+        <source>%1: the numbers are not to be used.</source>
+        <translation>%1：数値は使用できません。</translation>
+    </message>
+    <message>
+        <source>The incision crosses bone that stays whole: %1.</source>
+        <translation>切開線が切離されない骨を横切っています: %1。</translation>
+    </message>
+    <message>
         <source>%1 or more %</source>
         <translation>%1 % 以上</translation>
     </message>

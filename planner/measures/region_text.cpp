@@ -83,7 +83,7 @@ std::string piercing_text(const FieldMetrics& field)
     std::vector<std::string> bones;
     for (const PiercingBone& bone : field.region.piercing)
         bones.push_back(bone_in_words(bone.name) + formatted(" by %.0f mm", bone.out_mm));
-    return "failed: these numbers are not to be believed: bones come out through the skin, " + joined(bones)
+    return "not usable: these numbers are not to be believed: bones come out through the skin, " + joined(bones)
         + ", because the tissue round them is not in the model; "
         + (field.solution.draft ? "a draft does not look for the region: plan in full"
                                 : "plan with a larger region, or let the plan find it (leave region_mm out)");

@@ -21,8 +21,8 @@ std::string region_text(const FieldMetrics& field);
 /// Whether the rim moves farther than kStillRimMm, or a bone comes out through the skin.
 bool is_region_too_small(const FieldMetrics& field);
 
-/// "failed: these numbers are not to be believed: rib 6 on the left comes 33 mm out through the skin ..."; empty where
-/// no bone does.
+/// "not usable: these numbers are not to be believed: rib 6 on the left comes 33 mm out through the skin ..."; empty
+/// where no bone does.
 std::string piercing_text(const FieldMetrics& field);
 
 } // namespace retractor::planner

@@ -109,7 +109,7 @@ std::string volume_failure_text(const FieldMetrics& field)
     if (!field.volume_failures || (keeps_volume(field) && field.volume_failures->elements == 0))
         return {};
     const VolumeFailures& failures = *field.volume_failures;
-    std::string text = keeps_volume(field) ? "caution: " : "failed: these numbers are not to be believed: ";
+    std::string text = keeps_volume(field) ? "caution: " : "not usable: these numbers are not to be believed: ";
     if (failures.elements > 0)
         text += formatted("%.2g %% of the soft tissue changes its volume by more than a tenth, to between %.2f and "
                           "%.2f of its volume at rest, most of all ",

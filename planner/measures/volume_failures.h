@@ -41,8 +41,8 @@ bool keeps_volume(const FieldMetrics& field);
 /// the field's numbers.
 bool is_believable(const FieldMetrics& field);
 
-/// "failed: these numbers are not to be believed: 14 % of the soft tissue ...", or for a field that keeps its volume
-/// where little tissue fails "caution: 2.4 % of the soft tissue ..."; empty where nothing fails.
+/// "not usable: these numbers are not to be believed: 14 % of the soft tissue ...", or for a field that keeps its
+/// volume where little tissue fails "caution: 2.4 % of the soft tissue ..."; empty where nothing fails.
 std::string volume_failure_text(const FieldMetrics& field);
 
 } // namespace retractor::planner

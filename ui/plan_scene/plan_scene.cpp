@@ -6,8 +6,8 @@
 #include "mesh/surface/wound_surface.h"
 #include "planner/approach/approach_draft.h"
 #include "planner/case/target_site.h"
+#include "planner/measures/comparison.h"
 #include "planner/measures/metrics.h"
-#include "planner/measures/volume_failures.h"
 #include "planner/plan/wound_view.h"
 #include "planner/wall/image_end.h"
 #include "planner/wall/skin_pits.h"
@@ -144,19 +144,15 @@ namespace {
         }
     }
 
-    /// What speaks against the numbers below comes first.
-    void add_cautions(const planner::FieldMetrics& m, std::vector<LegendLine>& lines)
+    /// Says first that the numbers are not to be used, and therefore not shown.
+    void add_alarm(const planner::FieldMetrics& m, std::vector<LegendLine>& lines)
     {
-        constexpr Color kAlarm { 0.95, 0.25, 0.2 }, kCaution { 0.95, 0.7, 0.2 };
+        constexpr Color kAlarm { 0.95, 0.25, 0.2 };
         const bool turned_over = m.inverted_elements > 0 && m.mechanics_status.starts_with("inverted");
         if (m.mechanics_status != "converged" && !turned_over)
-            lines.push_back({ "NOT IN EQUILIBRIUM: do not use", {}, kAlarm });
-        else if (!planner::is_believable(m))
-            lines.push_back({ "FAILED: do not use these numbers", {}, kAlarm });
-        else if (m.inverted_elements > 0)
-            lines.push_back({ "caution: " + std::to_string(m.inverted_elements)
-                    + (m.inverted_elements == 1 ? " element" : " elements") + " inside out",
-                {}, kCaution });
+            lines.push_back({ "NOT IN EQUILIBRIUM: its numbers are not shown", {}, kAlarm });
+        else if (!planner::is_solved(m))
+            lines.push_back({ "NOT USABLE: its numbers are not shown", {}, kAlarm });
     }
 
     std::vector<LegendLine> legend_of(const planner::FieldMetrics& m)
@@ -168,8 +164,10 @@ namespace {
         std::vector<LegendLine> lines;
         const bool is_estimated
             = std::find(m.estimated.begin(), m.estimated.end(), m.target_spec.label) != m.estimated.end();
-        add_cautions(m, lines);
+        add_alarm(m, lines);
         lines.push_back({ "target: " + readable(m.target) + (is_estimated ? kEstimated : ""), {}, target_color() });
+        if (!planner::is_solved(m))
+            return lines;
         lines.push_back({ "seen by the best eye",
             number(100.0 * m.seen_best_eye, 0, bar(bars ? 100.0 * m.error->seen_best_eye : 0.0) + "%"), std::nullopt });
         lines.push_back({ "  with two eyes and a lamp", number(100.0 * m.seen_two_eyes, 0, "%"), std::nullopt });

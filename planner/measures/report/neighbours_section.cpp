@@ -47,7 +47,7 @@ namespace {
             if (is_planned(neighbour)) {
                 fields.push_back(*neighbour.field);
                 out << "<th>" << escaped(neighbour.where)
-                    << (is_solved(*neighbour.field) ? "" : " <span class=\"bad\">failed: do not use</span>") << "</th>";
+                    << (is_solved(*neighbour.field) ? "" : " <span class=\"bad\">not usable</span>") << "</th>";
             }
         out << "</tr></thead><tbody>";
         for (const ComparedMeasure& row : compared_measures(fields)) {

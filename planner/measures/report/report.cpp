@@ -164,7 +164,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         for (std::size_t n = 0; n < fields.size(); ++n) {
             const FieldMetrics& field = fields[n];
             out << "<th>" << (fields.size() > 1 ? compared_letter(n) + " " : std::string()) << escaped(field.name)
-                << (is_solved(field) ? "" : " <span class=\"bad\">failed: do not use</span>") << "</th>";
+                << (is_solved(field) ? "" : " <span class=\"bad\">not usable</span>") << "</th>";
         }
         out << "</tr></thead><tbody>";
         for (const ComparedMeasure& row : compared_measures(fields)) {

@@ -126,7 +126,7 @@ namespace volume_failures_test {
         EXPECT_EQ(caution.rfind("caution: 2.1 % of the soft tissue", 0), 0U) << caution;
         field.volume_failures->believable = false;
         const std::string text = volume_failure_text(field);
-        for (const char* part : { "failed: these numbers are not to be believed", "2.1 % of the soft tissue",
+        for (const char* part : { "not usable: these numbers are not to be believed", "2.1 % of the soft tissue",
                  "0.40 and 1.83", "(1.0, 2.0, 3.0) mm", "2 element(s) are inside out" })
             EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
         field.volume_failures->place = "38 mm along the incision, 4 mm beside it and 12 mm deep";

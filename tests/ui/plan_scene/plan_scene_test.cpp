@@ -80,6 +80,22 @@ namespace plan_scene_test {
         EXPECT_EQ(with_colours.back().key, lines.front().key);
     }
 
+    TEST_F(PlanScene, NumbersThatAreNotToBeUsedAreNotInThePicture)
+    {
+        const auto has = [](const Scene& scene, std::string_view key) {
+            return std::ranges::any_of(
+                scene.legend, [&](const LegendLine& line) { return line.key.find(key) != std::string::npos; });
+        };
+        ASSERT_TRUE(has(surgeon_scene(*patient, *field), "force"));
+        planner::PlannedField torn = *field;
+        torn.metrics.hook_force_N = 9727.0;
+        const Scene scene = surgeon_scene(*patient, torn);
+        EXPECT_TRUE(has(scene, "NOT USABLE"));
+        EXPECT_TRUE(has(scene, "target: "));
+        EXPECT_FALSE(has(scene, "force"));
+        EXPECT_FALSE(has(scene, "seen by"));
+    }
+
     TEST_F(PlanScene, ViewsThatDoNotExistAreRefused)
     {
         EXPECT_THROW(view_picture(*patient, *field, "sideways", 320, 240), InputError);

@@ -87,7 +87,7 @@ namespace {
         std::vector<std::vector<std::string>> rows { { "" } };
         for (std::size_t n = 0; n < marked.metrics.size(); ++n)
             rows.front().push_back(
-                planner::compared_letter(n) + (planner::is_solved(marked.metrics[n]) ? "" : " (failed)"));
+                planner::compared_letter(n) + (planner::is_solved(marked.metrics[n]) ? "" : " (not usable)"));
         for (const planner::ComparedMeasure& measure : planner::compared_measures(marked.metrics)) {
             rows.push_back({ measure.metric->caption });
             for (std::size_t n = 0; n < marked.metrics.size(); ++n)
@@ -206,8 +206,7 @@ planner::Weights parse_weights(const std::vector<std::string>& changes)
         const auto found = std::ranges::find_if(
             planner::criteria(), [&](const planner::Criterion& criterion) { return criterion.key == key; });
         if (equals == std::string::npos || found == planner::criteria().end())
-            throw InputError(
-                "a weight is CRITERION=NUMBER; the criteria are " + planner::weights_text(weights),
+            throw InputError("a weight is CRITERION=NUMBER; the criteria are " + planner::weights_text(weights),
                 "--weights " + change);
         const double weight = parse_numbers(change.substr(equals + 1), 1, "--weights " + change).front();
         if (weight < 0.0)

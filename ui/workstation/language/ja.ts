@@ -6372,20 +6372,12 @@
         <translation>%1：指と二本の器械が届く所</translation>
     </message>
     <message>
-        <source>NOT IN EQUILIBRIUM: do not use</source>
-        <translation>釣り合っていません：使わないでください</translation>
+        <source>NOT IN EQUILIBRIUM: its numbers are not shown</source>
+        <translation>釣り合っていません：数値は表示しません</translation>
     </message>
     <message>
-        <source>FAILED: do not use these numbers</source>
-        <translation>失敗：この数値を使わないでください</translation>
-    </message>
-    <message>
-        <source>caution: %1 elements inside out</source>
-        <translation>注意：要素 %1 個が裏返り</translation>
-    </message>
-    <message>
-        <source>caution: %1 element inside out</source>
-        <translation>注意：要素 %1 個が裏返り</translation>
+        <source>NOT USABLE: its numbers are not shown</source>
+        <translation>使用不可：数値は表示しません</translation>
     </message>
     <message>
         <source>target: %1</source>

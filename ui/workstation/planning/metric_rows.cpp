@@ -373,6 +373,8 @@ LightLook light_look(planner::Light light)
     case planner::Light::unknown:
         break;
     }
+    if (!planner::why_not_to_use(field).empty())
+        return planner::words_of(planner::Light::unknown);
     return { "#8b949c", words };
 }
 

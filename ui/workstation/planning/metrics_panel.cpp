@@ -76,9 +76,14 @@ namespace {
         column.addWidget(label(sentences, "color: white;", 11.0));
     }
 
+    /// Numbers that are not to be used stand where one asks for them only, under "Technical".
     void add_planned(QVBoxLayout& column, const FieldPictures& field)
     {
         add_headline(column, field);
+        if (!planner::is_solved(field.metrics)) {
+            column.addWidget(label("The numbers are under Technical.", kFaint));
+            return;
+        }
         for (const MetricSection& section : field_rows(field.metrics))
             if (!section.technical)
                 add_section(column, section);
@@ -103,7 +108,7 @@ namespace {
         if (!field.warning.empty())
             rows->addWidget(label(field.warning, kWarning));
         for (const MetricSection& section : field_rows(field.metrics))
-            if (section.technical)
+            if (section.technical || !planner::is_solved(field.metrics))
                 add_section(*rows, section);
         details->setVisible(shown);
         QObject::connect(button, &QToolButton::clicked, details, [button, details, &shown] {
@@ -247,10 +252,21 @@ namespace {
             column.addWidget(label(weights_in_words(model.weights()), kFaint));
         }
         column.addSpacing(10);
-        auto* chart = new ComparisonChart;
-        chart->show_fields(fields, places);
-        column.addWidget(chart);
-        column.addWidget(label("Green: better than every other by more than both errors together.", kFaint));
+        std::vector<planner::FieldMetrics> solved;
+        std::vector<std::size_t> places_of_solved;
+        for (std::size_t n = 0; n < fields.size(); ++n)
+            if (planner::is_solved(fields[n])) {
+                solved.push_back(fields[n]);
+                places_of_solved.push_back(places[n]);
+            } else {
+                column.addWidget(label(letters[n] + ": the numbers are not to be used.", kFaint));
+            }
+        if (!solved.empty()) {
+            auto* chart = new ComparisonChart;
+            chart->show_fields(solved, places_of_solved);
+            column.addWidget(chart);
+            column.addWidget(label("Green: better than every other by more than both errors together.", kFaint));
+        }
         if (!one_target)
             column.addWidget(label(std::string(planner::kDifferentTargets), kWarning));
         column.addSpacing(10);

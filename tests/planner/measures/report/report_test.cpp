@@ -416,10 +416,11 @@ namespace report_test {
         const std::string html = html_of({ a, b, c });
         EXPECT_EQ(html.find("class=\"best\">10.0 N"), std::string::npos);
         EXPECT_NE(
-            html.find("a failed: these numbers are not to be believed: 2 % of the soft tissue"), std::string::npos);
-        EXPECT_EQ(html.find("b failed"), std::string::npos);
+            html.find("a not usable: these numbers are not to be believed: 2 % of the soft tissue"), std::string::npos);
+        EXPECT_EQ(html.find("b not usable"), std::string::npos);
         // The first sentence of the page says so, beside the colour of its light.
-        const std::size_t first = html.find("<p class=\"verdict unknown\"><b>A a: Not usable.</b> " + why_not_to_use(a));
+        const std::size_t first
+            = html.find("<p class=\"verdict unknown\"><b>A a: Not usable.</b> " + why_not_to_use(a));
         ASSERT_NE(first, std::string::npos);
         EXPECT_LT(first, html.find("Think of this first"));
     }

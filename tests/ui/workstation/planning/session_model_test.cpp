@@ -481,6 +481,9 @@ namespace session_model_test {
         EXPECT_EQ(row_of(sections, "Force, larger side").value, "41.3 N");
         EXPECT_EQ(row_of(sections, "Hook left 1").value, "20.0 N");
         EXPECT_EQ(field_summary(field), "62 % seen, 41 N, 42 cm²");
+        planner::FieldMetrics impossible = field;
+        impossible.hook_force_N = 9727.0;
+        EXPECT_EQ(field_summary(impossible), "Not usable");
         field.opening_width_mm = 57.9;
         planner::ErrorBars& bars = field.error.emplace();
         bars.opening_width_mm = 1.24;

@@ -48,7 +48,7 @@ namespace {
         if (field.seen_best_eye < kNotSeen)
             return say(said, Light::injury, "The " + target + " is not seen.");
         say(said, field.seen_best_eye < kLittleSeen ? Light::caution : Light::clear,
-            "Shows " + two_digits(100.0 * field.seen_best_eye) + " % of the " + target + ".");
+            "Shows " + two_digits(100.0 * field.seen_best_eye) + " % of what could be seen of the " + target + ".");
         const LungSight* least = nullptr; // the lung that hides most
         for (const LungSight& lung : field.if_lung_keeps)
             if (lung.seen_best_eye < kMuchLess * field.seen_best_eye
@@ -56,7 +56,8 @@ namespace {
                 least = &lung;
         if (least != nullptr)
             say(said, Light::caution,
-                formatted("A lung that keeps %.0f %% of its volume leaves ", 100.0 * least->lung_share)
+                formatted("A lung that keeps %.0f %% of its volume instead of %.0f %% leaves ",
+                    100.0 * least->lung_share, 100.0 * kDeflatedLungShare)
                     + (least->seen_best_eye < kNotSeen ? "nothing"
                                                        : "only " + two_digits(100.0 * least->seen_best_eye) + " %")
                     + " of the " + target + " in sight.");
@@ -124,7 +125,6 @@ namespace {
                         "The " + readable(blade.name) + " bears on soft tissue only, on no bone.");
     }
 
-    void say_tissue(const FieldMetrics& field, Sentences& said)
     /// The blade goes round a bone that it meets, and what opens the wound pulls at this bone.
     void say_crossed_skeleton(const FieldMetrics& field, Light light, Sentences& said)
     {
@@ -134,6 +134,7 @@ namespace {
             say(said, light, divided_cartilages_text(field.divided_cartilages));
     }
 
+    void say_tissue(const FieldMetrics& field, Sentences& said)
     {
         for (const TissueStrain& tissue : field.tissue_strain)
             if (may_tear(tissue))
@@ -158,6 +159,10 @@ namespace {
             if (risk.distance_mm < kTouching)
                 say(said, Light::caution,
                     "The " + readable(risk.from) + " lies against the " + readable(risk.name) + ".");
+        if (std::ranges::find(field.retracted, "mediastinum") != field.retracted.end())
+            say(said, Light::caution,
+                "The mediastinum is held aside in one piece. Vessels in it without a label are not drawn, and no "
+                "distance to them is kept.");
         for (const std::string& estimated : field.estimated)
             if (estimated == field.target_spec.label)
                 say(said, Light::caution, "The " + readable(estimated) + " is only estimated.");
@@ -238,16 +243,16 @@ namespace {
         Sentences said;
         if (const std::string why = why_not_to_use(field); !why.empty()) {
             say(said, Light::unknown, why); // numbers beside this sentence would be used all the same
+            say_crossed_skeleton(field, Light::unknown, said);
             say_risks(field, said);
         } else {
             say_bones(field, said);
+            say_crossed_skeleton(field, Light::caution, said);
             say_tissue(field, said);
             say_bearing(field, said);
-            say_crossed_skeleton(field, Light::unknown, said);
             say_risks(field, said);
             say_sight(field, said);
             say_opening(field, said);
-            say_crossed_skeleton(field, Light::caution, said);
             say_force(field, said);
         }
         std::ranges::stable_sort(said, is_worse);

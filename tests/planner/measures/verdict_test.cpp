@@ -50,7 +50,7 @@ namespace verdict_test {
     {
         const Verdict verdict = verdict_of(good_field());
         EXPECT_EQ(verdict.light, Light::clear);
-        EXPECT_TRUE(says(verdict, "Shows 34 % of the left atrium."));
+        EXPECT_TRUE(says(verdict, "Shows 34 % of what could be seen of the left atrium."));
         EXPECT_TRUE(says(verdict, "Opens 48 mm wide."));
         EXPECT_TRUE(says(verdict, "Force 80 N (68 to 92)."));
         EXPECT_EQ(verdict.sentences.size(), 3U);
@@ -114,13 +114,13 @@ namespace verdict_test {
             = { { .lung_share = 0.2, .seen_best_eye = 0.40 }, { .lung_share = 0.5, .seen_best_eye = 0.12 } };
         const Verdict verdict = verdict_of(field);
         EXPECT_EQ(verdict.light, Light::caution);
-        EXPECT_TRUE(
-            says(verdict, "A lung that keeps 50 % of its volume leaves only 12 % of the left atrium in sight."));
+        EXPECT_TRUE(says(verdict,
+            "A lung that keeps 50 % of its volume instead of 30 % leaves only 12 % of the left atrium in sight."));
         field.if_lung_keeps[1].seen_best_eye = 0.6 * field.seen_best_eye;
         EXPECT_EQ(verdict_of(field).light, Light::clear);
         field.if_lung_keeps[1].seen_best_eye = 0.001;
-        EXPECT_TRUE(says(
-            verdict_of(field), "A lung that keeps 50 % of its volume leaves nothing of the left atrium in sight."));
+        EXPECT_TRUE(says(verdict_of(field),
+            "A lung that keeps 50 % of its volume instead of 30 % leaves nothing of the left atrium in sight."));
     }
 
     TEST(Verdict, TheForceHasBothIntervals)

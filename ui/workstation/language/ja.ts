@@ -3080,12 +3080,12 @@
         <translation>%1は見えません。</translation>
     </message>
     <message>
-        <source>Shows %1 % of the %2.</source>
-        <translation>%2の %1 % が見えます。</translation>
+        <source>Shows %1 % of what could be seen of the %2.</source>
+        <translation>%2の見えうる部分の %1 % が見えます。</translation>
     </message>
     <message>
-        <source>A lung that keeps %1 % of its volume leaves only %2 % of the %3 in sight.</source>
-        <translation>肺が体積の %1 % を保つと、%3は %2 % しか見えません。</translation>
+        <source>A lung that keeps %1 % of its volume instead of %2 % leaves only %3 % of the %4 in sight.</source>
+        <translation>肺が体積の %2 % ではなく %1 % を保つと、%4は %3 % しか見えません。</translation>
     </message>
     <message>
         <source>Opens %1 mm.</source>
@@ -4096,8 +4096,8 @@
         <translation>並べるのは 2～4 です。</translation>
     </message>
     <message>
-        <source>A lung that keeps %1 % of its volume leaves nothing of the %2 in sight.</source>
-        <translation>肺が体積の %1 % を保つと、%2はまったく見えません。</translation>
+        <source>A lung that keeps %1 % of its volume instead of %2 % leaves nothing of the %3 in sight.</source>
+        <translation>肺が体積の %2 % ではなく %1 % を保つと、%3はまったく見えません。</translation>
     </message>
     <message>
         <source>There is no approach yet.</source>

@@ -40,7 +40,8 @@ namespace {
     }
     const ColorClasses& pressure_classes()
     {
-        static const ColorClasses classes { .limits = { 10, 25, 50, 100, 200 } }; // kPa
+        // kPa. Blades on bone press with some 100 kPa on average, and with several times as much at an end.
+        static const ColorClasses classes { .limits = { 50, 100, 200, 400, 800 } };
         return classes;
     }
     const ColorClasses& risk_classes()

@@ -89,15 +89,15 @@ namespace field_map_test {
         blade.name = bladed.hooks.front().name;
         // 300 mm2 touch: 100 mm2 a third, so that 1 N is 10 kPa.
         blade.pressure
-            = planner::BladePressure { .largest_kPa = 44.4, .touching_mm2 = 300.0, .thirds_N = { 0.5, 2.0, 30.0 } };
+            = planner::BladePressure { .largest_kPa = 44.4, .touching_mm2 = 300.0, .thirds_N = { 0.5, 7.0, 90.0 } };
         bladed.metrics.retractor = planner::RetractorMetrics { .kind = "finochietto", .blades = { blade } };
         const auto map = field_map(*patient, bladed, FieldMapKind::pressure);
         ASSERT_TRUE(map);
         ASSERT_EQ(map->surfaces.size(), 1U);
         EXPECT_EQ(labels_of(map->surfaces[0]), (std::set<Label> { 0, 1, 2, 3 }));
-        EXPECT_EQ(words_of(*map, 0), "below 10 kPa");
-        EXPECT_EQ(words_of(*map, 1), "10 to 25 kPa");
-        EXPECT_EQ(words_of(*map, 2), "200 or more kPa");
+        EXPECT_EQ(words_of(*map, 0), "below 50 kPa");
+        EXPECT_EQ(words_of(*map, 1), "50 to 100 kPa");
+        EXPECT_EQ(words_of(*map, 2), "800 or more kPa");
         EXPECT_EQ(map->surfaces[0].look_of_label.at(3).finish, Finish::metal);
         EXPECT_EQ(map->legend.rbegin()[1].value, "44 kPa");
         // The first third lies towards the start of the incision.

@@ -122,7 +122,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
     /// Rows that say whether each opening can be had, and what it may injure.
     template <class TextRow> void write_injuries(const std::vector<FieldMetrics>& fields, const TextRow& text_row)
     {
-        text_row("Attainable", [](const FieldMetrics& f) {
+        text_row("Opening possible", [](const FieldMetrics& f) {
             const char* const mark = f.attainable == Attainable::no ? "bad"
                 : f.attainable == Attainable::with_injury           ? "caution"
                                                                     : "";

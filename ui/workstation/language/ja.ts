@@ -2312,7 +2312,7 @@
         <translation>開いた創にあるこの器械から、CT が示す位置のこの構造までの最短距離。</translation>
     </message>
     <message>
-        <source>Attainable</source>
+        <source>Opening possible</source>
         <translation>開けるか</translation>
     </message>
     <message>
@@ -6468,6 +6468,14 @@
         <translation>%1 kPa 以上</translation>
     </message>
     <message>
+        <source>%1 or more %</source>
+        <translation>%1 % 以上</translation>
+    </message>
+    <message>
+        <source>The blades bear on soft tissue only, on no bone.</source>
+        <translation>ブレードは軟部組織だけに当たり、骨には当たりません。</translation>
+    </message>
+    <message>
         <source>The incision divides cartilage: %1.</source>
         <translation>切開線が軟骨を切離します: %1。</translation>
     </message>
@@ -6514,14 +6522,6 @@
     <message>
         <source>The incision crosses bone that stays whole: %1.</source>
         <translation>切開線が切離されない骨を横切っています: %1。</translation>
-    </message>
-    <message>
-        <source>%1 or more %</source>
-        <translation>%1 % 以上</translation>
-    </message>
-    <message>
-        <source>The blades bear on soft tissue only, on no bone.</source>
-        <translation>ブレードは軟部組織だけに当たり、骨には当たりません。</translation>
     </message>
     <message>
         <source>The %1 bears on soft tissue only, on no bone.</source>

@@ -9,6 +9,7 @@
 #include "planner/measures/ball_strain.h"
 #include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/force_moments.h"
+#include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/region_text.h"
@@ -97,6 +98,9 @@ namespace {
     MetricSection opening_section(const planner::FieldMetrics& field)
     {
         MetricSection section { "Opening", {} };
+        if (!field.hooks.empty())
+            section.rows.push_back({ "Planned opening, from side to side", planner::asked_text(field),
+                "What the retractor or the hooks are set to. The skin's edge opens more or less than they do." });
         add_rows(section, field, planner::MetricGroup::opening);
         add_rows(section, field, planner::MetricGroup::distances);
         for (const planner::RiskDistance& risk : field.at_risk)
@@ -117,7 +121,8 @@ namespace {
     {
         const bool warning
             = field.attainable == planner::Attainable::with_injury || field.attainable == planner::Attainable::no;
-        section.rows.push_back({ "Attainable", planner::attainable_text(field), planner::bones_text(field), warning });
+        section.rows.push_back(
+            { "Opening possible", planner::attainable_text(field), planner::bones_text(field), warning });
         if (planner::breaks_bone(field))
             section.rows.push_back(
                 { "Without a fracture", "about " + number(std::floor(*field.largest_uninjured_opening_mm), 0, "mm"),
@@ -318,6 +323,19 @@ namespace {
         return row;
     }
 
+    /// What the blade divides, for people.
+    std::string divides_in_words(const planner::Approach& approach)
+    {
+        if (planner::divides_sternum(approach.division.extent))
+            return "The sternum, along and across";
+        if (approach.division.extent == planner::DivisionExtent::full)
+            return "The space between the ribs, beyond the incision too";
+        if (approach.uncut_labels.empty())
+            return "All tissue under the incision";
+        return approach.template_name.starts_with("median") ? "Soft tissue and the sternum under the incision"
+                                                            : "Soft tissue along the incision";
+    }
+
 } // namespace
 
 std::vector<MetricSection> field_rows(const planner::FieldMetrics& field)
@@ -336,6 +354,7 @@ std::vector<MetricSection> approach_rows(const planner::Approach& approach)
                 {} },
             asked_row("incision_length_mm", planner::incision_length(approach)),
             asked_row("cut_depth_mm", approach.depth_mm),
+            { "Divides", divides_in_words(approach), "What the knife or the saw goes through." },
             { "Held aside", names_in_words(approach.retracted), "Organs that are held aside in this approach." },
         } } };
     MetricSection hooks { "Hooks", {} };
@@ -354,6 +373,8 @@ std::vector<MetricSection> approach_rows(const planner::Approach& approach)
 
 std::string field_summary(const planner::FieldMetrics& field)
 {
+    if (!planner::why_not_to_use(field).empty())
+        return planner::words_of(planner::Light::unknown);
     const auto text = [&](const char* key) {
         return planner::metric_text(planner::metric_field(key), planner::metric_field(key).of(field), 0);
     };
@@ -373,8 +394,6 @@ LightLook light_look(planner::Light light)
     case planner::Light::unknown:
         break;
     }
-    if (!planner::why_not_to_use(field).empty())
-        return planner::words_of(planner::Light::unknown);
     return { "#8b949c", words };
 }
 

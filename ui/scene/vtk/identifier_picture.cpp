@@ -236,6 +236,7 @@ void add_names(Scene& scene, const IdentifierPicture& picture)
 {
     // Of the picture's height: a structure must have this room for its name, and letters have this size.
     constexpr double kRoom = 0.006, kLetter = 0.0145, kLine = 0.03;
+    constexpr double kRoomOfWidth = 0.05; // a long name on a speck of its structure would name what lies round it
     const std::vector<int> distance = distances_to_edge(picture);
     std::vector<Word> words(picture.names.size());
     for (std::size_t n = 0; n < words.size(); ++n)
@@ -256,6 +257,8 @@ void add_names(Scene& scene, const IdentifierPicture& picture)
     for (Word& word : words) {
         if (word.room < kRoom * picture.height)
             break;
+        if (word.room < kRoomOfWidth * word.width_px)
+            continue;
         const std::string text = readable(picture.names[static_cast<std::size_t>(word.structure)]);
         const bool covers = std::any_of(placed.begin(), placed.end(), [&](const Word& other) {
             return std::abs(word.y - other.y) < kLine * picture.height

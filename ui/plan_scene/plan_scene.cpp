@@ -43,8 +43,8 @@ namespace {
     constexpr Color kImageEnd { 0.36, 0.38, 0.40 };
     /// Opacity of the organ that is operated on, so that a target inside it shows.
     constexpr double kOperatedOpacity = 0.4;
-    /// Opacity of the target where it shines through the wall.
-    constexpr double kGlow = 0.3;
+    /// Opacity of the target where it shines through the wall: faint, so that it is not taken for the target itself.
+    constexpr double kGlow = 0.18;
     /// Height of the drawn incision over the skin. The skin surfaces of image and mesh lie up to a voxel apart.
     constexpr double kInkMm = 1.0;
     /// Height over width of a picture of slices, for a chest about as high as wide and its letters, with the slices

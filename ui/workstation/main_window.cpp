@@ -1504,6 +1504,7 @@ void MainWindow::show_message(const QString& text)
     log_.add("message", text.toStdString());
     message_->setStyleSheet({});
     message_->setText(translated(text));
+    message_->setToolTip(message_->text()); // two lines may not hold it
     conference_bar_->show_note(message_->text());
 }
 

@@ -70,7 +70,9 @@ QLabel* add_message(QStatusBar& bar)
     message->setTextFormat(Qt::PlainText);
     message->setTextInteractionFlags(Qt::TextSelectableByMouse);
     message->setContentsMargins(8, 0, 8, 0);
-    message->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+    message->setWordWrap(true);
+    message->setFixedHeight(2 * message->fontMetrics().lineSpacing() + 2); // the bar keeps its height
+    message->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
     bar.addWidget(message, 1);
     return message;
 }

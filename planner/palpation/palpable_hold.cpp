@@ -1,6 +1,7 @@
 #include "planner/palpation/palpable_hold.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 #include "mesh/surface/surface_normals.h"
 
 #include <algorithm>
@@ -220,7 +221,7 @@ void hold_surface(datasets::PalpationScene& scene, const TriMesh& surface, const
     for (const auto& triangle : surface.triangles)
         for (const VertexId v : triangle)
             used[static_cast<std::size_t>(v)] = 1;
-    std::vector<std::size_t> count(holder.names.size(), 0);
+    std::vector<bool> holds(holder.names.size(), false);
     for (std::size_t v = 0; v < used.size(); ++v) {
         const auto row = static_cast<Eigen::Index>(v);
         if (used[v] == 0)
@@ -230,13 +231,13 @@ void hold_surface(datasets::PalpationScene& scene, const TriMesh& surface, const
         if (!by)
             continue;
         scene.body.roles[v] = datasets::VertexRole::fixed;
-        ++count[*by];
+        holds[*by] = true;
     }
-    std::string held;
-    for (std::size_t h = 0; h < count.size(); ++h)
-        if (count[h] > 0)
-            held += (held.empty() ? "" : ", ") + holder.names[h] + " (" + std::to_string(count[h]) + " vertices)";
-    notes.push_back("held at: " + (held.empty() ? "nothing" : held));
+    std::vector<std::string> held;
+    for (std::size_t h = 0; h < holds.size(); ++h)
+        if (holds[h])
+            held.push_back(holder.names[h]);
+    notes.push_back("held at: " + (held.empty() ? "nothing" : joined(held)));
 }
 
 void refuse_floating(datasets::PalpationScene& scene, std::vector<std::string>& notes)

@@ -35,7 +35,7 @@ namespace {
         return met_mm2;
     }
 
-    /// The smaller area of each label, also where it is in one map alone.
+    /// The smaller area of each label; 0 where one map alone has it.
     std::map<Label, double> smaller(std::map<Label, double> areas, const std::map<Label, double>& others)
     {
         for (auto& [label, area] : areas) {

@@ -90,9 +90,8 @@ void ComparisonChart::show_fields(const std::vector<planner::FieldMetrics>& fiel
         spoken += "\n";
     }
     setAccessibleDescription(spoken);
-    number_width_ = kNumberGap + width_of_numbers(measures_, font());
     constexpr int kShortestBar = 40;
-    setMinimumSize(kLetterWidth + kShortestBar + number_width_, height);
+    setMinimumSize(kLetterWidth + kShortestBar + kNumberGap + width_of_numbers(measures_, font()), height);
     update();
 }
 
@@ -100,7 +99,8 @@ void ComparisonChart::paintEvent(QPaintEvent*)
 {
     QPainter painter(this);
     painter.setRenderHint(QPainter::Antialiasing);
-    const double left = kLetterWidth, right = width() - number_width_, room = std::max(10.0, right - left);
+    const int number_width = width_of_numbers(measures_, painter.font()); // no digit is cut off
+    const double left = kLetterWidth, right = width() - number_width - kNumberGap, room = std::max(10.0, right - left);
     double y = 0.0;
     for (const planner::ComparedMeasure& measure : measures_) {
         painter.setPen(kFaintText);
@@ -129,8 +129,8 @@ void ComparisonChart::paintEvent(QPaintEvent*)
                     painter.drawLine(QPointF(from, middle - 4.0), QPointF(from, middle + 4.0));
             }
             painter.setPen(leads ? kLeader : kText);
-            painter.drawText(QRectF(right + kNumberGap, y, number_width_ - kNumberGap, kRowHeight),
-                Qt::AlignVCenter | Qt::AlignRight, text_of(measure, n));
+            painter.drawText(QRectF(right + kNumberGap, y, number_width, kRowHeight), Qt::AlignVCenter | Qt::AlignRight,
+                text_of(measure, n));
             font.setBold(false);
             painter.setFont(font);
         }

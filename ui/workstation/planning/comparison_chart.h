@@ -30,7 +30,6 @@ protected:
 private:
     std::vector<planner::ComparedMeasure> measures_;
     std::vector<std::size_t> places_;
-    int number_width_ = 0; ///< pixels; no digit is cut off
 };
 
 } // namespace retractor::ui

@@ -18,8 +18,8 @@ inline constexpr double kLeastVolumeRatio = 0.9, kMostVolumeRatio = 1.1;
 
 /// Share of the soft tissue's volume from which on no number of the plan is to be believed (ours). Strain has no bound
 /// at the ends of a wound and at the edges of hooks, so some tissue fails there in every plan; a smaller share is told
-/// with its place. In plans of the phantom 1 to 3 % fail with ten-node elements, and 9 to 14 % with four-node elements,
-/// whose force is off by two thirds.
+/// with its place. In plans of the phantom 1 to 3 % fail with ten-node elements. Of four-node elements whose force is
+/// off by two thirds 9 to 14 % failed when each was judged by itself.
 inline constexpr double kMostFailedShare = 0.05;
 
 /// @param wall at rest
@@ -30,7 +30,9 @@ VolumeFailures find_volume_failures(const mesh::TetMesh& wall, std::span<const d
     const mesh::LabelTable& table, int inverted_elements);
 
 /// Volume ratios averaged round the vertices. Locking-free elements keep the volume of patches of elements, and not
-/// the volume of each element (fem/element/locking_free.h). The averages are taken over elements of the same label.
+/// the volume of each element (fem/element/locking_free.h). Plain four-node elements are judged alike: neighbours
+/// shrink and grow in turn, and what the tissue does is their mean. The averages are taken over elements of the same
+/// label.
 /// @param volume_ratio one per element of the wall
 std::vector<double> averaged_volume_ratios(const mesh::TetMesh& wall, std::span<const double> volume_ratio);
 

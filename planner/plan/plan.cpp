@@ -276,7 +276,8 @@ namespace {
         const std::vector<double>& ratios = field.opening.volume_ratio;
         if (ratios.size() != field.wall.tet_count())
             return std::nullopt;
-        const bool patches = planned_case.solution.element == ElementKind::locking_free;
+        const ElementKind element = planned_case.solution.element;
+        const bool patches = element == ElementKind::locking_free || element == ElementKind::p1;
         VolumeFailures failures
             = find_volume_failures(field.wall, patches ? averaged_volume_ratios(field.wall, ratios) : ratios,
                 planned_case.label_table, field.opening.inverted_elements);

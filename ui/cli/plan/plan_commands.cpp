@@ -633,7 +633,7 @@ namespace {
             ->check(in_range(0.0, kFarthestMm));
         command.add_flag("--draft", options.draft,
             "A quick look: four-node elements on a coarse mesh, without error bars, and without contact between wall "
-            "and organs unless --contact is given. Forces may be twice too large");
+            "and organs unless --contact is given. Forces may be half or twice those of a full plan");
         command
             .add_option(
                 "--edge", options.edge_mm, "Edge length (mm) of the mesh round the incision (default: the approach's)")

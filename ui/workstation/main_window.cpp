@@ -1462,9 +1462,10 @@ void MainWindow::show_progress()
     progress_timer_.start();
     if (saves) {
         const SerialExecutor::Progress writing = export_executor_.progress();
-        conference_bar_->show_note(translated(QString("Saving: %1 (%2 %)")
-                                                  .arg(QString::fromStdString(stage_in_words(writing.stage)))
-                                                  .arg(100.0 * writing.fraction, 0, 'f', 0)));
+        const QString stage = QString::fromStdString(stage_in_words(writing.stage));
+        conference_bar_->show_note(translated(writing.fraction > 0.0
+                ? QString("Saving: %1 (%2 %)").arg(stage).arg(100.0 * writing.fraction, 0, 'f', 0)
+                : QString("Saving: %1").arg(stage)));
         if (!plans) {
             cancel_button_->setEnabled(true);
             progress_->setValue(static_cast<int>(kProgressSteps * writing.fraction));

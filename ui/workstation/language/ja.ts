@@ -884,6 +884,10 @@
         <translation>マニュアルはプログラムと一緒に入っていません。ソースの docs/user にもあります。</translation>
     </message>
     <message>
+        <source>Saving: %1</source>
+        <translation>保存中：%1</translation>
+    </message>
+    <message>
         <source>Saving: %1 (%2 %)</source>
         <translation>保存中：%1（%2 %）</translation>
     </message>

@@ -3308,8 +3308,24 @@
         <translation>指</translation>
     </message>
     <message>
-        <source>Servo</source>
-        <translation>サーボ</translation>
+        <source>Forces at the hand</source>
+        <translation>手に返る力</translation>
+    </message>
+    <message>
+        <source>computed %1 times a second; %2 of %3 were skipped</source>
+        <translation>毎秒 %1 回計算、%3 回中 %2 回を省略</translation>
+    </message>
+    <message>
+        <source>The computer gives them no priority.</source>
+        <translation>コンピュータはこの計算を優先していません。</translation>
+    </message>
+    <message>
+        <source>A Touch reported a problem.</source>
+        <translation>Touch が問題を報告しました。</translation>
+    </message>
+    <message>
+        <source>A force takes %1 µs on average, and took %2 µs at most.</source>
+        <translation>1 回の計算は平均 %1 µs、最長 %2 µs です。</translation>
     </message>
     <message>
         <source>Tissue</source>

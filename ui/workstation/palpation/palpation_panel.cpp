@@ -58,7 +58,7 @@ PalpationPanel::PalpationPanel(std::vector<std::string> models, QWidget* parent)
     auto* column = new QVBoxLayout(this);
     column->setSpacing(6);
     column->addWidget(section("Fingers", make_fingers()));
-    column->addWidget(section("Servo", make_servo()));
+    column->addWidget(section("Forces at the hand", make_servo()));
     column->addWidget(section("Tissue", make_tissue(models)));
     template_ = section("Change elasticity with a template", make_template());
     column->addWidget(template_);
@@ -452,18 +452,19 @@ void PalpationPanel::show_frame(const planner::PalpationFrame& frame, std::size_
                                                           : QString("away"));
     }
     const planner::ServoHealth& health = frame.health;
-    servo_->setText(QString("%1 Hz, %2 of %3 ticks missed\n%4 µs a tick, worst %5 µs%6")
-                        .arg(health.rate_hz, 0, 'f', 0)
-                        .arg(health.missed)
-                        .arg(health.ticks)
-                        .arg(health.mean_us, 0, 'f', 0)
-                        .arg(health.worst_us, 0, 'f', 0)
-                        .arg(QString(health.note.empty() ? "" : "\nnot in real time")
-                            + (health.device_problem.empty() ? "" : "\na Touch reported a problem")));
-    QString why = QString::fromStdString(health.note);
+    servo_->setText(translated(QString("computed %1 times a second; %2 of %3 were skipped")
+                                   .arg(health.rate_hz, 0, 'f', 0)
+                                   .arg(health.missed)
+                                   .arg(health.ticks + health.missed))
+        + (health.note.empty() ? QString() : "\n" + translated("The computer gives them no priority."))
+        + (health.device_problem.empty() ? QString() : "\n" + translated("A Touch reported a problem.")));
+    QString why = translated(QString("A force takes %1 µs on average, and took %2 µs at most.")
+                                 .arg(health.mean_us, 0, 'f', 0)
+                                 .arg(health.worst_us, 0, 'f', 0));
+    if (!health.note.empty())
+        why += "\n" + QString::fromStdString(health.note);
     if (!health.device_problem.empty())
-        why += (why.isEmpty() ? "" : "\n")
-            + QString::fromStdString("Last problem of a Touch: " + health.device_problem);
+        why += "\n" + QString::fromStdString("Last problem of a Touch: " + health.device_problem);
     servo_->setToolTip(why);
     const bool fault = state.fault.kind != haptics::FaultKind::none;
     fault_->setVisible(fault);

@@ -1465,7 +1465,7 @@ void MainWindow::show_progress()
         const QString stage = QString::fromStdString(stage_in_words(writing.stage));
         conference_bar_->show_note(translated(writing.fraction > 0.0
                 ? QString("Saving: %1 (%2 %)").arg(stage).arg(100.0 * writing.fraction, 0, 'f', 0)
-                : QString("Saving: %1").arg(stage)));
+                : QString("Saving: %1 …").arg(stage)));
         if (!plans) {
             cancel_button_->setEnabled(true);
             progress_->setValue(static_cast<int>(kProgressSteps * writing.fraction));

@@ -884,8 +884,8 @@
         <translation>マニュアルはプログラムと一緒に入っていません。ソースの docs/user にもあります。</translation>
     </message>
     <message>
-        <source>Saving: %1</source>
-        <translation>保存中：%1</translation>
+        <source>Saving: %1 …</source>
+        <translation>保存中：%1 …</translation>
     </message>
     <message>
         <source>Saving: %1 (%2 %)</source>

@@ -5,6 +5,7 @@
 #include "planner/approach/retractors.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/verdict.h"
+#include "planner/measures/volume_failures.h"
 #include "tests/support/block_case.h"
 
 #include <Eigen/Geometry>
@@ -87,6 +88,21 @@ namespace retractor_plan_test {
                 << (field.metrics.error ? field.metrics.error->message : "no bars");
             EXPECT_NE(retractor_text(field.metrics).find("left blade"), std::string::npos)
                 << retractor_text(field.metrics);
+        }
+    }
+
+    TEST(RetractorPlan, VolumesOfFourNodeElementsAreJudgedWithTheirNeighbours)
+    {
+        const mesh::LabelTable table = datasets::make_block_phantom(test_support::small_block()).labels.table;
+        for (const ElementKind element : { ElementKind::p1, ElementKind::mixed }) {
+            const PlannedField field = plan_with({ .opening_mm = kOpeningMm }, { .element = element }, HookHold::fixed);
+            ASSERT_TRUE(field.metrics.volume_failures.has_value()) << field.message;
+            const std::vector<double>& each = field.opening.volume_ratio;
+            const VolumeFailures alone = find_volume_failures(field.wall, each, table, 0);
+            const VolumeFailures together
+                = find_volume_failures(field.wall, averaged_volume_ratios(field.wall, each), table, 0);
+            ASSERT_LT(together.share, alone.share) << "neighbours cancel, or the comparison says nothing";
+            EXPECT_EQ(field.metrics.volume_failures->share, element == ElementKind::p1 ? together.share : alone.share);
         }
     }
 

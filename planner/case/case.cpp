@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string>
 
 namespace retractor::planner {
 
@@ -207,6 +208,34 @@ bool is_estimated(const Case& planned_case, std::string_view label)
     return std::find(estimated.begin(), estimated.end(), label) != estimated.end();
 }
 
+namespace {
+
+    void check_assumed_vessels(const Case& planned_case)
+    {
+        std::set<std::string> names;
+        for (std::size_t n = 0; n < planned_case.assumed_vessels.size(); ++n) {
+            const AssumedVessel& vessel = planned_case.assumed_vessels[n];
+            const std::string where = "/assumed_vessels/" + std::to_string(n);
+            if (vessel.name.empty())
+                throw InputError("an assumed vessel needs a name", where + "/name");
+            if (mesh::find_label(planned_case.label_table, vessel.name) != nullptr)
+                throw InputError(
+                    "\"" + vessel.name + "\" is a label: a vessel is either seen or assumed", where + "/name");
+            if (!names.insert(vessel.name).second)
+                throw InputError("two assumed vessels are named \"" + vessel.name + "\"", where + "/name");
+            if (vessel.line.size() < 2)
+                throw InputError("the line of an assumed vessel needs two points or more", where + "/line_mm");
+            if (!std::ranges::all_of(vessel.line, [](const Vec3& p) { return p.allFinite(); }))
+                throw InputError("the line of an assumed vessel must be finite", where + "/line_mm");
+            if (!(vessel.radius_mm > 0.0 && vessel.radius_mm <= kLargestVesselRadiusMm))
+                throw InputError("the radius of an assumed vessel must be above 0, and "
+                        + in_words(kLargestVesselRadiusMm) + " mm at most",
+                    where + "/radius_mm");
+        }
+    }
+
+} // namespace
+
 void check_case(const Case& planned_case)
 {
     if (planned_case.ct)
@@ -216,6 +245,7 @@ void check_case(const Case& planned_case)
     check_labels(planned_case);
     check_label_names(planned_case, planned_case.supports.labels, "/supports/labels");
     check_label_names(planned_case, planned_case.estimated_labels, "/labels/estimated");
+    check_assumed_vessels(planned_case);
     check_sizing(planned_case.sizing, "/sizing");
     check_solution(planned_case.solution, planned_case.contact);
     check_pressures(planned_case);

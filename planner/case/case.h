@@ -6,6 +6,7 @@
 #include "fem/material/material.h"
 #include "mesh/image/volume.h"
 #include "planner/case/approach.h"
+#include "planner/case/assumed_vessel.h"
 #include "planner/case/solver_settings.h"
 
 #include <filesystem>
@@ -50,6 +51,8 @@ struct Case {
     mesh::LabelTable label_table; ///< the whole table of the label volume: names, materials, roles
     /// Labels that were estimated from their surroundings, because the image does not show the structure.
     std::vector<std::string> estimated_labels;
+    /// Vessels and nerves that no label shows, at their usual places or where a hand has put them.
+    std::vector<AssumedVessel> assumed_vessels {};
     fem::MaterialTable materials = fem::default_materials();
     SupportSpec supports;
     ContactMode contact = ContactMode::automatic; ///< of all approaches

@@ -252,6 +252,10 @@ namespace {
         {
             io.required("label", pressure.label, "pressure_kPa", pressure.pressure_kPa);
         }
+        static void of(auto& io, Is<AssumedVessel> auto& vessel)
+        {
+            io.required("name", vessel.name, "line_mm", vessel.line, "radius_mm", vessel.radius_mm);
+        }
         static void of(auto& io, Is<SizingSpec> auto& sizing)
         {
             io.required("corridor_radius_mm", sizing.corridor_radius_mm, "corridor_edge_mm", sizing.corridor_edge_mm,
@@ -350,6 +354,7 @@ namespace {
                 labels.required("table", whole.label_table);
                 labels.optional("estimated", whole.estimated_labels, !whole.estimated_labels.empty());
             });
+            io.optional("assumed_vessels", whole.assumed_vessels, !whole.assumed_vessels.empty());
             io.required("materials", whole.materials, "supports", whole.supports);
             io.optional("contact", whole.contact, whole.contact != ContactMode::automatic);
             io.optional("pressures", whole.pressures, !whole.pressures.empty());

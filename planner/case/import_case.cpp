@@ -5,6 +5,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "planner/anatomy/assumed_vessels.h"
 #include "planner/anatomy/rib_checks.h"
 #include "planner/case/case_io.h"
 #include "planner/case/plausible_input.h"
@@ -331,6 +332,11 @@ namespace {
                                         "but no approach can be planned through it");
         if (imported.ct != nullptr)
             check_plausibility(*imported.ct, labels, request.accept_labels, imported);
+        imported.assumed_vessels = assumed_vessels(labels);
+        if (!imported.assumed_vessels.empty())
+            imported.notes.push_back(
+                "mammary arteries, and vessels and nerves under the ribs, are not seen in the image: "
+                "they are assumed where they usually are (retractor vessels lists them)");
         withhold_identity(request, imported);
         imported.labels = std::make_shared<const mesh::LabelVolume>(std::move(labels));
     }
@@ -504,6 +510,7 @@ Case write_import(const ImportedCase& imported, const fs::path& case_file)
         if (structure.rough && mesh::find_label(made.label_table, structure.name) != nullptr)
             made.estimated_labels.push_back(structure.name);
     made.supports.labels = supporting_labels(made.label_table);
+    made.assumed_vessels = imported.assumed_vessels;
     made.patient = imported.patient;
     made.accept_implausible = imported.accept_implausible;
     // For one wound of a patient, forces of four-node elements are about twice too large and stay so when the mesh is
@@ -523,6 +530,8 @@ Case write_import(const ImportedCase& imported, const fs::path& case_file)
 Case write_corrected_labels(Case planned_case, const mesh::LabelVolume& labels)
 {
     planned_case.label_table = labels.table;
+    std::erase_if(planned_case.assumed_vessels, // a label that someone has made of it takes its place
+        [&](const AssumedVessel& vessel) { return mesh::find_label(labels.table, vessel.name) != nullptr; });
     check_case(planned_case);
     const Staging staging(planned_case.folder);
     planned_case.labels = store_labels(labels, planned_case.folder, staging);

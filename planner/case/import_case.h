@@ -49,6 +49,8 @@ struct ImportedCase {
     std::vector<datasets::LabelFragments> repaired; ///< changes by a repair
     std::optional<datasets::PatientIdentity> patient; ///< filled only on request
     bool accept_implausible = false; ///< as requested
+    /// Vessels and nerves that the labels do not show, where they usually are.
+    std::vector<AssumedVessel> assumed_vessels {};
 };
 
 /// Reads, segments and checks. The job shows the progress; a cancelled job gives `cancelled`.

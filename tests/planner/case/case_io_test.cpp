@@ -167,6 +167,43 @@ namespace case_io_test {
             "/solution");
     }
 
+    TEST_F(CaseFile, AssumedVesselsComeBackAndBadOnesAreRefused)
+    {
+        Case c = sample();
+        c.assumed_vessels = { { .name = "mammary_artery_left",
+            .line = { Vec3(0.1, 1e2 / 3.0, -1e-17), Vec3::UnitX(), Vec3::UnitZ() },
+            .radius_mm = 1.0 / 0.9 } };
+        const Case read = case_from_json(case_to_json(c), folder_);
+        ASSERT_EQ(read.assumed_vessels.size(), 1U);
+        EXPECT_EQ(read.assumed_vessels[0].name, c.assumed_vessels[0].name);
+        EXPECT_EQ(read.assumed_vessels[0].line, c.assumed_vessels[0].line);
+        EXPECT_EQ(read.assumed_vessels[0].radius_mm, c.assumed_vessels[0].radius_mm);
+        const std::string at = "/assumed_vessels/0";
+        const auto refused = [&](const char* key, const Json& value) {
+            return refused_at([&](Json& j) {
+                Json vessel = { { "name", "a" }, { "line_mm", { { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0 } } },
+                    { "radius_mm", 1.0 } };
+                vessel[key] = value;
+                j["assumed_vessels"] = Json::array({ vessel });
+            });
+        };
+        EXPECT_EQ(refused("name", "b"), "accepted");
+        EXPECT_EQ(refused("name", ""), at + "/name");
+        EXPECT_EQ(refused("name", "heart"), at + "/name") << "a label";
+        EXPECT_EQ(refused("line_mm", Json::array({ { 0.0, 0.0, 0.0 } })), at + "/line_mm");
+        EXPECT_EQ(refused("line_mm", { { 0.0, 0.0, 0.0 }, { 0.0, nullptr, 0.0 } }), at + "/line_mm/1/1");
+        for (const double radius : { 0.0, -1.0, 26.0 })
+            EXPECT_EQ(refused("radius_mm", radius), at + "/radius_mm") << radius;
+        EXPECT_EQ(refused("colour", "red"), at + "/colour");
+        EXPECT_EQ(refused_at([](Json& j) {
+            const Json vessel
+                = { { "name", "a" }, { "line_mm", { { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0 } } }, { "radius_mm", 1.0 } };
+            j["assumed_vessels"] = Json::array({ vessel, vessel });
+        }),
+            "/assumed_vessels/1/name")
+            << "two of one name";
+    }
+
     TEST_F(CaseFile, AnAskedAccuracyComesBackAndIsRefusedOutOfRange)
     {
         Case c = sample();

@@ -29,7 +29,7 @@ void find_division(Approach& approach, Patient& patient)
     if (sternum)
         find_sternum_division(approach, *patient.labels(), *anatomy);
     else
-        find_space_division(approach, *patient.labels(), *anatomy);
+        find_space_division(approach, *patient.labels(), *anatomy, patient.planned_case().assumed_vessels);
 }
 
 void set_division(Approach& approach, const Division& division)

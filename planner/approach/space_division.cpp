@@ -3,6 +3,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "planner/anatomy/assumed_vessels.h"
 #include "planner/anatomy/body_probe.h"
 #include "planner/approach/intercostal_space.h"
 #include "planner/case/division.h"
@@ -10,9 +11,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -36,11 +39,9 @@ namespace {
     constexpr double kSpineBinMm = 5.0;
     constexpr int kSpineBins = 3; ///< bins above and below a place in which the spine's midline is averaged
 
-    bool is_mammary(const mesh::LabelInfo& info)
-    {
-        const auto has = [&](std::string_view word) { return info.name.find(word) != std::string::npos; };
-        return has("mammary") || has("internal_thoracic") || has("thoracica_interna");
-    }
+    constexpr double kVesselStepMm = 1.0; ///< between places along an assumed mammary artery
+
+    bool names_mammary(const mesh::LabelInfo& info) { return is_mammary(info.name); }
 
     /// Centres of the voxels of some labels.
     std::vector<Vec3> voxel_centres(const mesh::LabelVolume& labels, const mesh::LabelFlags& counts)
@@ -61,16 +62,18 @@ namespace {
     /// The structures that end the division.
     class Limits {
     public:
-        Limits(const mesh::LabelVolume& labels, const AnatomicalFrame& frame)
+        Limits(const mesh::LabelVolume& labels, const AnatomicalFrame& frame, std::span<const AssumedVessel> assumed)
             : frame_(frame)
             , half_voxel_mm_(0.5 * labels.grid.spacing.maxCoeff())
             , sternum_(voxel_centres(labels,
                   mesh::flagged_labels(
                       labels.table, [](const mesh::LabelInfo& info) { return info.name == "sternum"; })))
-            , mammary_(voxel_centres(labels, mesh::flagged_labels(labels.table, is_mammary)))
+            , mammary_(voxel_centres(labels, mesh::flagged_labels(labels.table, names_mammary)))
         {
+            std::ranges::copy_if(assumed, std::back_inserter(assumed_mammary_),
+                [](const AssumedVessel& vessel) { return is_mammary(vessel.name); });
             for (const mesh::LabelInfo& info : labels.table)
-                if (info.role == mesh::Role::at_risk && !is_mammary(info))
+                if (info.role == mesh::Role::at_risk && !names_mammary(info))
                     at_risk_.emplace_back(info.name,
                         voxel_centres(labels, mesh::flagged_labels(labels.table, [&](const mesh::LabelInfo& other) {
                             return other.id == info.id;
@@ -92,6 +95,9 @@ namespace {
                 return closed_words(place);
             if (nearest(place, mammary_) < kFromMammaryMm)
                 return formatted("%.0f mm from the mammary artery", kFromMammaryMm);
+            for (const AssumedVessel& vessel : assumed_mammary_)
+                if (nearest_centre(place, places_along(vessel, kVesselStepMm)) - vessel.radius_mm < kFromMammaryMm)
+                    return formatted("%.0f mm from where the mammary artery is assumed", kFromMammaryMm);
             if (nearest(place, sternum_) < kFromSternumMm)
                 return formatted("%.0f mm from the sternum", kFromSternumMm);
             return risk_behind(place);
@@ -124,14 +130,18 @@ namespace {
         /// Smallest distance of the cut between the inner and the outer side of the wall from the voxels' surfaces.
         double nearest(const SpacePlace& place, const std::vector<Vec3>& voxels) const
         {
+            return nearest_centre(place, voxels) - half_voxel_mm_;
+        }
+        static double nearest_centre(const SpacePlace& place, const std::vector<Vec3>& points)
+        {
             const Vec3 inner = place.middle - place.inner_mm * place.outward;
             const double depth = place.inner_mm + place.outer_mm;
             double least = std::numeric_limits<double>::infinity();
-            for (const Vec3& p : voxels) {
+            for (const Vec3& p : points) {
                 const double t = std::clamp(place.outward.dot(p - inner), 0.0, depth);
                 least = std::min(least, (p - inner - t * place.outward).squaredNorm());
             }
-            return std::sqrt(least) - half_voxel_mm_;
+            return std::sqrt(least);
         }
         /// Lateral place of the spine's midline at the height of a point; the middle of the chest where no spine is
         /// labelled at this height.
@@ -149,6 +159,7 @@ namespace {
         AnatomicalFrame frame_;
         double half_voxel_mm_;
         std::vector<Vec3> sternum_, mammary_;
+        std::vector<AssumedVessel> assumed_mammary_;
         std::vector<std::pair<std::string, std::vector<Vec3>>> at_risk_; ///< names and voxels
         std::map<int, std::pair<double, double>> spine_; ///< per bin of height: sum of lateral places, and count
     };
@@ -246,7 +257,8 @@ namespace {
         return formatted("%.0f mm %s (%s)", end.length_mm, way.c_str(), end.reason.c_str());
     }
 
-    void divide_along(Approach& approach, const mesh::LabelVolume& labels, const Anatomy& anatomy)
+    void divide_along(Approach& approach, const mesh::LabelVolume& labels, const Anatomy& anatomy,
+        std::span<const AssumedVessel> assumed)
     {
         Division& division = approach.division;
         const auto number = space_under_incision(anatomy, approach);
@@ -264,7 +276,7 @@ namespace {
             = incision_end(space, approach.incision.back(), approach.directions.back(), approach.depth_mm);
         if (front.along_mm < back.along_mm)
             std::swap(front, back);
-        const Limits limits(labels, anatomy.frame);
+        const Limits limits(labels, anatomy.frame, assumed);
         const DivisionEnd backwards = find_end(space, back, limits, false, division.backwards_mm),
                           forwards = find_end(space, front, limits, true, division.forwards_mm);
         if (backwards.length_mm >= kShortestMm)
@@ -284,14 +296,15 @@ namespace {
 
 } // namespace
 
-void find_space_division(Approach& approach, const mesh::LabelVolume& labels, const Anatomy& anatomy)
+void find_space_division(
+    Approach& approach, const mesh::LabelVolume& labels, const Anatomy& anatomy, std::span<const AssumedVessel> assumed)
 {
     approach.division.strokes.clear();
     approach.division.words.clear();
     if (approach.division.extent != DivisionExtent::full)
         return;
     try {
-        divide_along(approach, labels, anatomy);
+        divide_along(approach, labels, anatomy, assumed);
     } catch (const InputError& error) {
         approach.division.words
             = std::string("the intercostal space was not found, and nothing is divided beyond the skin: ")

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <numbers>
 #include <string>
+#include <vector>
 
 namespace retractor::planner {
 namespace space_division_test {
@@ -53,6 +54,28 @@ namespace space_division_test {
     Vec3 outer_end(const DivisionStroke& s, std::size_t n) { return s.line[n] + s.depth_mm * s.directions[n]; }
 
     double angle_of(const Vec3& p) { return std::atan2(std::abs(p.x()), p.y()) * 180.0 / std::numbers::pi; }
+
+    TEST(SpaceDivision, EndsBeforeAnAssumedMammaryArtery)
+    {
+        Approach approach = lateral();
+        find_space_division(approach, chest(), anatomy());
+        const DivisionStroke free = stroke(approach, true);
+        // It runs down across the space, where the free division would pass.
+        const std::size_t middle = free.line.size() / 2;
+        const Vec3 crossed = outer_end(free, middle) - 0.5 * kShape.rib_thickness * free.directions[middle];
+        const std::vector<AssumedVessel> assumed { { .name = "mammary_artery_left",
+            .line = { crossed + 40.0 * Vec3::UnitZ(), crossed - 40.0 * Vec3::UnitZ() },
+            .radius_mm = 1.1 } };
+        find_space_division(approach, chest(), anatomy(), assumed);
+        const DivisionStroke& ended = stroke(approach, true);
+        EXPECT_LT(ended.length_mm, free.length_mm);
+        const Vec3 off = outer_end(ended, ended.line.size() - 1) - crossed;
+        const double beside = std::hypot(off.x(), off.y());
+        EXPECT_GT(beside, kFromMammaryMm + 1.1 - kRoughMm);
+        EXPECT_LT(beside, kFromMammaryMm + 1.1 + kShape.rib_thickness + kRoughMm);
+        EXPECT_NE(approach.division.words.find("5 mm from where the mammary artery is assumed"), std::string::npos)
+            << approach.division.words;
+    }
 
     TEST(SpaceDivision, GoesFromTheIncisionToTheSpineAndToTheRibsEnd)
     {

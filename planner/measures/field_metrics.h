@@ -35,6 +35,7 @@ struct RiskDistance {
     double distance_mm = 0.0; ///< 0: the blade passes through the structure
     Vec3 at = Vec3::Zero(); ///< the place of the structure that is nearest to the blade, mm
     std::string from {}; ///< the hook or the retractor's blade; empty: the blade that cuts
+    bool is_assumed = false; ///< no label shows it, and its place is assumed (Case::assumed_vessels)
 };
 
 struct HookForce {

@@ -10,6 +10,7 @@
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/region_text.h"
+#include "planner/measures/risk_distances.h"
 #include "planner/measures/rupture.h"
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/verdict.h"
@@ -657,7 +658,7 @@ namespace {
         json["at_risk"] = Json::array();
         for (const RiskDistance& risk : field.at_risk)
             json["at_risk"].push_back({ { "name", risk.name }, { "distance_mm", risk.distance_mm },
-                { "at_mm", { risk.at.x(), risk.at.y(), risk.at.z() } } });
+                { "at_mm", { risk.at.x(), risk.at.y(), risk.at.z() } }, { "is_assumed", risk.is_assumed } });
         json["steel_at_risk"] = Json::array();
         for (const RiskDistance& risk : field.steel_at_risk)
             json["steel_at_risk"].push_back({ { "name", risk.name }, { "from", risk.from },
@@ -985,10 +986,11 @@ std::vector<std::string> bones_in_sight(const FieldMetrics& field)
 
 std::string risk_text(const RiskDistance& risk)
 {
+    const std::string name = risk_name(risk);
     if (!risk.from.empty())
-        return readable(risk.from) + " to " + readable(risk.name) + " " + in_words(risk.distance_mm, 1) + " mm";
-    return risk.distance_mm > 0.0 ? readable(risk.name) + " " + in_words(risk.distance_mm, 1) + " mm"
-                                  : readable(risk.name) + ": the blade passes through it";
+        return readable(risk.from) + " to " + name + " " + in_words(risk.distance_mm, 1) + " mm";
+    return risk.distance_mm > 0.0 ? name + " " + in_words(risk.distance_mm, 1) + " mm"
+                                  : name + ": the blade passes through it";
 }
 
 std::string risks_text(const FieldMetrics& field)

@@ -54,7 +54,8 @@ namespace {
         double nearest = kFarthestRiskMm;
         for (const auto* risks : { &candidate.field.at_risk, &candidate.field.steel_at_risk })
             for (const RiskDistance& risk : *risks)
-                nearest = std::min(nearest, risk.distance_mm);
+                if (!risk.is_assumed)
+                    nearest = std::min(nearest, risk.distance_mm);
         return nearest;
     }
 
@@ -148,7 +149,7 @@ namespace {
     std::string risk_sentence(const RiskDistance& risk)
     {
         constexpr double kTouchingMm = 2.0; // about a voxel, to which the distance is known
-        const std::string structure = "The " + readable(risk.name);
+        const std::string structure = "The " + risk_name(risk);
         if (risk.from.empty() && !(risk.distance_mm > 0.0))
             return structure + " is cut.";
         if (!risk.from.empty() && risk.distance_mm < kTouchingMm)

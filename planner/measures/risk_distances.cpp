@@ -2,7 +2,9 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 #include "mesh/surface/proximity.h"
+#include "planner/anatomy/assumed_vessels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -76,16 +78,12 @@ std::vector<RiskDistance> risk_distances(const mesh::Blade& blade, const mesh::L
     return distances_from(swept.surface(), labels_on_blade(swept, labels), labels.table, surface_of);
 }
 
-std::vector<RiskDistance> saw_risk_distances(std::span<const Vec3> skin, std::span<const Vec3> inner,
-    const mesh::LabelVolume& labels, const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of)
+TriMesh saw_surface(std::span<const Vec3> skin, std::span<const Vec3> inner)
 {
     if (skin.size() < 2 || skin.size() != inner.size())
         throw InputError("a saw's way needs two places or more on the skin, and as many on the inner side of the wall");
-    constexpr double kRoundOffMm = 1e-6;
-    const double step = 0.5 * labels.grid.spacing.minCoeff(), margin = 0.5 * labels.grid.spacing.maxCoeff();
     TriMesh way;
     way.vertices.resize(2 * static_cast<Eigen::Index>(skin.size()), 3);
-    std::set<Label> met;
     for (std::size_t n = 0; n < skin.size(); ++n) {
         const auto v = static_cast<VertexId>(2 * n);
         way.vertices.row(v) = skin[n].transpose();
@@ -94,6 +92,18 @@ std::vector<RiskDistance> saw_risk_distances(std::span<const Vec3> skin, std::sp
             continue;
         way.triangles.push_back({ v - 2, v, v + 1 });
         way.triangles.push_back({ v - 2, v + 1, v - 1 });
+    }
+    return way;
+}
+
+std::vector<RiskDistance> saw_risk_distances(std::span<const Vec3> skin, std::span<const Vec3> inner,
+    const mesh::LabelVolume& labels, const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of)
+{
+    constexpr double kRoundOffMm = 1e-6;
+    const double step = 0.5 * labels.grid.spacing.minCoeff(), margin = 0.5 * labels.grid.spacing.maxCoeff();
+    const TriMesh way = saw_surface(skin, inner);
+    std::set<Label> met;
+    for (std::size_t n = 1; n < skin.size(); ++n) {
         // Between two places, without the last half voxel at the inner side, which may hold what lies against the bone.
         const double along_mm = std::max((skin[n] - skin[n - 1]).norm(), (inner[n] - inner[n - 1]).norm());
         const int along_steps = std::max(1, static_cast<int>(std::ceil(along_mm / step)));
@@ -123,6 +133,48 @@ std::vector<RiskDistance> risk_distances(const TriMesh& instrument, const std::s
         }
     }
     return nearest_risks(std::move(distances));
+}
+
+std::vector<RiskDistance> assumed_distances(
+    const TriMesh& surface, std::span<const AssumedVessel> vessels, const std::string& name)
+{
+    constexpr double kStepMm = 0.5; // a quarter of a bundle's radius: the distance is too long by 0.1 mm at most
+    std::vector<RiskDistance> distances;
+    if (vessels.empty())
+        return distances;
+    const mesh::TriangleProximity proximity(surface.vertices, surface.triangles, kFarthestRiskMm);
+    for (const AssumedVessel& vessel : vessels) {
+        std::optional<RiskDistance> nearest;
+        for (const Vec3& place : places_along(vessel, kStepMm)) {
+            const auto found = proximity.within(place, nearest ? nearest->distance_mm : kFarthestRiskMm);
+            if (!found.empty())
+                nearest = { .name = vessel.name,
+                    .distance_mm = found.front().point.distance,
+                    .at = place,
+                    .from = name,
+                    .is_assumed = true };
+        }
+        if (!nearest)
+            continue;
+        nearest->distance_mm = std::max(0.0, nearest->distance_mm - vessel.radius_mm);
+        distances.push_back(*std::move(nearest));
+    }
+    return nearest_risks(std::move(distances));
+}
+
+std::string risk_name(const RiskDistance& risk)
+{
+    return readable(risk.name) + (risk.is_assumed ? " (assumed place)" : "");
+}
+
+void keep_nearest_bundle(std::vector<RiskDistance>& nearest_first)
+{
+    bool is_first = true;
+    std::erase_if(nearest_first, [&](const RiskDistance& risk) {
+        if (!risk.is_assumed || !is_neurovascular_bundle(risk.name))
+            return false;
+        return !std::exchange(is_first, false);
+    });
 }
 
 std::vector<RiskDistance> nearest_risks(std::vector<RiskDistance> of_all_blades)

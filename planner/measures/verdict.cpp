@@ -7,6 +7,7 @@
 #include "planner/measures/ball_strain.h"
 #include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/region_text.h"
+#include "planner/measures/risk_distances.h"
 #include "planner/measures/rupture.h"
 #include "planner/measures/volume_failures.h"
 
@@ -152,9 +153,10 @@ namespace {
     {
         for (const RiskDistance& risk : field.at_risk)
             if (!(risk.distance_mm > 0.0))
-                say(said, Light::injury, "The blade cuts the " + readable(risk.name) + ".");
+                say(said, risk.is_assumed ? Light::caution : Light::injury,
+                    "The blade cuts the " + risk_name(risk) + ".");
             else if (risk.distance_mm < kTouching)
-                say(said, Light::caution, "The cut comes within 2 mm of the " + readable(risk.name) + ".");
+                say(said, Light::caution, "The cut comes within 2 mm of the " + risk_name(risk) + ".");
         for (const RiskDistance& risk : field.steel_at_risk)
             if (risk.distance_mm < kTouching)
                 say(said, Light::caution,

@@ -316,10 +316,20 @@ namespace {
         std::vector<RiskDistance> risks = saw.skin.size() >= 2
             ? saw_risk_distances(saw.skin, saw.inner, *labels, surface_of)
             : risk_distances(blade_of(approach), *labels, surface_of);
-        for (const DivisionStroke& stroke : approach.division.strokes)
+        const auto add_assumed = [&](const TriMesh& cut) {
+            for (RiskDistance& risk : assumed_distances(cut, patient.planned_case().assumed_vessels))
+                risks.push_back(std::move(risk));
+        };
+        add_assumed(
+            saw.skin.size() >= 2 ? saw_surface(saw.skin, saw.inner) : mesh::SweptBlade(blade_of(approach)).surface());
+        for (const DivisionStroke& stroke : approach.division.strokes) {
             for (RiskDistance& risk : risk_distances(blade_of(stroke), *labels, surface_of))
                 risks.push_back(std::move(risk));
-        return nearest_risks(std::move(risks));
+            add_assumed(mesh::SweptBlade(blade_of(stroke)).surface());
+        }
+        risks = nearest_risks(std::move(risks));
+        keep_nearest_bundle(risks);
+        return risks;
     }
 
     /// Distances from the hooks or the retractor's blades, where they stand in the opened wound.

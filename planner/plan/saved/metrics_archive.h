@@ -94,7 +94,7 @@ RETRACTOR_ARCHIVE(ViewCone, aim, axis, up, eye_distance_mm, half_angle_deg, eyes
 RETRACTOR_ARCHIVE(EyeView, eye, visible_fraction)
 RETRACTOR_ARCHIVE(SurfaceSample, position, triangle)
 RETRACTOR_ARCHIVE(SightBlocker, name, share, bone)
-RETRACTOR_ARCHIVE(RiskDistance, name, distance_mm, at, from)
+RETRACTOR_ARCHIVE(RiskDistance, name, distance_mm, at, from, is_assumed)
 RETRACTOR_ARCHIVE(HookForce, name, side, force_N, pushes, moved_mm, asked_mm, pull, yielded, bears_on)
 RETRACTOR_ARCHIVE(BladePressure, mean_kPa, largest_kPa, largest_at, touching_mm2, on_bone_N, thirds_N, penetration_mm)
 RETRACTOR_ARCHIVE(BladeMetrics, name, force_N, moment_Nm, turn_deg, at_stop, lip_deviation_mm, pressure)

@@ -107,6 +107,39 @@ namespace risk_distances_test {
         EXPECT_EQ(found[0].distance_mm, 0.0);
     }
 
+    TEST(RiskDistances, OfAnAssumedVesselCountFromItsWall)
+    {
+        const TriMesh cut = mesh::SweptBlade(straight_blade()).surface();
+        const std::vector<AssumedVessel> vessels {
+            { .name = "beside", .line = { { 46.0, 10.0, 0.0 }, { 46.0, 10.0, 80.0 } }, .radius_mm = 1.5 },
+            { .name = "across", .line = { { 20.0, 10.0, 30.0 }, { 60.0, 10.0, 30.0 } }, .radius_mm = 1.0 },
+            { .name = "far", .line = { { 95.0, 10.0, 0.0 }, { 95.0, 10.0, 80.0 } }, .radius_mm = 1.0 },
+        };
+        const std::vector<RiskDistance> found = assumed_distances(cut, vessels);
+        ASSERT_EQ(found.size(), 2U);
+        EXPECT_EQ(found[0].name, "across");
+        EXPECT_EQ(found[0].distance_mm, 0.0) << "it is cut";
+        EXPECT_NEAR(found[1].distance_mm, 6.0 - 1.5, kRoundOff);
+        EXPECT_TRUE(found[1].is_assumed);
+        EXPECT_EQ(risk_name(found[1]), "beside (assumed place)");
+        EXPECT_TRUE(assumed_distances(cut, {}).empty());
+    }
+
+    TEST(RiskDistances, OfTheBundlesTheNearestIsKept)
+    {
+        std::vector<RiskDistance> risks {
+            { .name = "neurovascular_bundle_left_4", .distance_mm = 5.0, .is_assumed = true },
+            { .name = "mammary_artery_left", .distance_mm = 9.0, .is_assumed = true },
+            { .name = "neurovascular_bundle_left_5", .distance_mm = 12.0, .is_assumed = true },
+            { .name = "heart", .distance_mm = 20.0 }
+        };
+        keep_nearest_bundle(risks);
+        ASSERT_EQ(risks.size(), 3U);
+        EXPECT_EQ(risks[0].name, "neurovascular_bundle_left_4");
+        EXPECT_EQ(risks[1].name, "mammary_artery_left");
+        EXPECT_EQ(risks[2].name, "heart");
+    }
+
     TEST(RiskDistances, OfSeveralBladesTheNearestCounts)
     {
         const auto found

@@ -231,6 +231,10 @@ namespace verdict_test {
     {
         FieldMetrics field = good_field();
         field.seen_best_eye = 0.001;
+        field.at_risk.front().is_assumed = true;
+        EXPECT_EQ(verdict_of(field).light, Light::caution) << "nobody has seen it there";
+        EXPECT_TRUE(says(verdict_of(field), "The blade cuts the heart (assumed place)."));
+        field.at_risk.front().is_assumed = false;
         EXPECT_EQ(verdict_of(field).light, Light::injury);
         EXPECT_TRUE(says(verdict_of(field), "The left atrium is not seen."));
         field.seen_best_eye = 0.05;

@@ -1988,6 +1988,30 @@
         <translation>%1（推定）</translation>
     </message>
     <message>
+        <source>%1 (assumed place)</source>
+        <translation>%1（想定位置）</translation>
+    </message>
+    <message>
+        <source>left mammary artery</source>
+        <translation>左内胸動脈</translation>
+    </message>
+    <message>
+        <source>right mammary artery</source>
+        <translation>右内胸動脈</translation>
+    </message>
+    <message>
+        <source>left neurovascular bundle %1</source>
+        <translation>左第 %1 肋間神経血管束</translation>
+    </message>
+    <message>
+        <source>right neurovascular bundle %1</source>
+        <translation>右第 %1 肋間神経血管束</translation>
+    </message>
+    <message>
+        <source>mammary arteries, and vessels and nerves under the ribs, are not seen in the image: they are assumed where they usually are (retractor vessels lists them)</source>
+        <translation>内胸動脈と、肋骨の下の血管・神経は画像に見えません：通常の位置にあるものと想定します（retractor vessels で一覧できます）</translation>
+    </message>
+    <message>
         <source>New approach</source>
         <translation>新しいアプローチ</translation>
     </message>
@@ -5562,6 +5586,14 @@
     <message>
         <source>What these numbers do not say</source>
         <translation>これらの数値が言わないこと</translation>
+    </message>
+    <message>
+        <source>%1 mm from the mammary artery</source>
+        <translation>内胸動脈から %1 mm</translation>
+    </message>
+    <message>
+        <source>%1 mm from where the mammary artery is assumed</source>
+        <translation>内胸動脈の想定位置から %1 mm</translation>
     </message>
     <message>
         <source>Each tissue has a published mean stiffness, not the stiffness of this patient.</source>

@@ -13,6 +13,7 @@
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/region_text.h"
+#include "planner/measures/risk_distances.h"
 #include "planner/measures/rupture.h"
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
@@ -104,7 +105,7 @@ namespace {
         add_rows(section, field, planner::MetricGroup::opening);
         add_rows(section, field, planner::MetricGroup::distances);
         for (const planner::RiskDistance& risk : field.at_risk)
-            section.rows.push_back({ "Cut to " + readable(risk.name),
+            section.rows.push_back({ "Cut to " + planner::risk_name(risk),
                 risk.distance_mm > 0.0 ? in_words(risk.distance_mm, 1) + " mm" : "passes through it",
                 "Shortest distance from the cut to this structure at risk, before opening." });
         for (const planner::RiskDistance& risk : field.steel_at_risk)

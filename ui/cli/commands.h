@@ -12,6 +12,8 @@ void add_label_commands(Commands& commands);
 void add_approach_commands(Commands& commands);
 void add_hooks_command(Commands& commands);
 void add_tension_command(Commands& commands);
+/// Adds `vessels`: lists and sets vessels whose places are assumed.
+void add_vessel_command(Commands& commands);
 void add_mesh_command(Commands& commands);
 void add_cut_command(Commands& commands);
 void add_plan_command(Commands& commands);

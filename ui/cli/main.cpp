@@ -14,6 +14,7 @@ void add_commands(retractor::ui::cli::Commands& commands)
     add_approach_commands(commands);
     add_hooks_command(commands);
     add_tension_command(commands);
+    add_vessel_command(commands);
     add_mesh_command(commands);
     add_cut_command(commands);
     add_plan_command(commands);

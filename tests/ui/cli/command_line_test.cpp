@@ -67,9 +67,9 @@ TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command :
         { "phantom", "import", "labels list", "labels paint", "labels interpolate", "approach add", "approach guide",
-            "hooks", "tension", "mesh", "cut", "plan", "render", "compare", "search", "ports", "batch", "demo",
-            "doctor", "palpable", "palpate", "relay", "train", "train expert", "train test", "train report", "evidence",
-            "evidence complications", "evidence rules", "evidence show-rule", "evidence generate" }) {
+            "hooks", "tension", "vessels", "mesh", "cut", "plan", "render", "compare", "search", "ports", "batch",
+            "demo", "doctor", "palpable", "palpate", "relay", "train", "train expert", "train test", "train report",
+            "evidence", "evidence complications", "evidence rules", "evidence show-rule", "evidence generate" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -575,6 +575,32 @@ TEST_F(CommandLine, TensionIsSetListedPlannedWithAndTakenOff)
     ASSERT_EQ(run(tension + " --material skin --none").exit_code, 0);
     EXPECT_EQ(skin(), "none");
     EXPECT_FALSE(run(plan).json().at("approaches").at(0).contains("tension"));
+}
+
+TEST_F(CommandLine, AssumedVesselsAreSetListedAndTakenOut)
+{
+    std::stringstream before;
+    before << std::ifstream(case_file()).rdbuf();
+    const std::string vessels = "--json vessels " + case_file();
+    EXPECT_TRUE(run(vessels).json().at("assumed_vessels").empty());
+    for (const char* wrong : { "--set a", "--points 0,0,0 1,0,0", "--set a --points 0,0,0", "--set a --points 0,0 1,0",
+             "--set a --points 0,0,nan 1,0,0", "--set a --points 0,0,0 1,0,0 --radius 0", "--radius 2", "--remove a",
+             "--set target --points 0,0,0 1,0,0" })
+        EXPECT_EQ(run(vessels + " " + wrong).exit_code, 2) << wrong;
+    const CommandRun no_bones = run(vessels + " --assume");
+    EXPECT_EQ(no_bones.exit_code, 2);
+    EXPECT_NE(no_bones.error().find("spine"), std::string::npos) << "what is missing: " << no_bones.error();
+    EXPECT_TRUE(run(vessels).json().at("assumed_vessels").empty()) << "what is refused changes nothing";
+    ASSERT_EQ(run(vessels + " --set artery --points -40,0,0 0,0,0 40,0,5 --radius 1.5").exit_code, 0);
+    ASSERT_EQ(run(vessels + " --set artery --radius 2").exit_code, 0);
+    const Json listed = run(vessels).json().at("assumed_vessels");
+    ASSERT_EQ(listed.size(), 1U);
+    EXPECT_EQ(listed[0].at("name"), "artery");
+    EXPECT_EQ(listed[0].at("radius_mm"), 2.0);
+    EXPECT_EQ(listed[0].at("line_mm").size(), 3U);
+    ASSERT_EQ(run(vessels + " --remove artery").exit_code, 0);
+    EXPECT_TRUE(run(vessels).json().at("assumed_vessels").empty());
+    std::ofstream(case_file()) << before.str();
 }
 
 TEST_F(CommandLine, PressureIsPlannedWithAndRefusedByName)

@@ -7,6 +7,7 @@
 #include "ui/plan_scene/label_surfaces.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/label_colors.h"
+#include "ui/scene/linked_slices.h"
 #include "ui/scene/tissue_colors.h"
 
 #include <algorithm>
@@ -93,8 +94,10 @@ namespace {
         picture.height = std::min(height, static_cast<int>(std::lround(1.4 * share * width)));
         for (std::size_t i = 0; i < scenes.size(); ++i) {
             const double left = static_cast<double>(i) * share;
-            scenes[i].camera = camera_for_slice(scenes[i].slices.front(), share * width / picture.height);
-            picture.viewports.push_back({ .left = left, .right = left + share, .scene = std::move(scenes[i]) });
+            const Vec3 point = scenes[i].slices.front().point;
+            Scene scene = slice_with_lines(std::move(scenes[i]), point);
+            scene.camera = camera_for_slice(scene.slices.front(), share * width / picture.height);
+            picture.viewports.push_back({ .left = left, .right = left + share, .scene = std::move(scene) });
         }
         picture.viewports.push_back({ .left = 1.0 - kLegendShare, .scene = legend_panel(lines) });
         return picture;

@@ -13,6 +13,7 @@
 #include "planner/wall/skin_pits.h"
 #include "planner/wall/unmeshed_wall.h"
 #include "ui/plan_scene/label_surfaces.h"
+#include "ui/plan_scene/vessel_surfaces.h"
 #include "ui/scene/linked_slices.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/identifier_picture.h"
@@ -209,6 +210,8 @@ namespace {
         scene.surfaces.push_back(wall_item(patient, field));
         scene.surfaces.push_back(target_item(patient, field.approach.target));
         add_remaining_anatomy(scene, patient, field);
+        for (SurfaceItem& vessel : vessel_surfaces(patient.planned_case(), field))
+            scene.surfaces.push_back(std::move(vessel));
         add_hooks(scene, field);
         scene.legend = legend_of(field.metrics);
         return scene;
@@ -217,7 +220,8 @@ namespace {
     LineItem incision_line(const planner::Approach& approach, bool on_top)
     {
         LineItem line;
-        line.name = "incision";
+        line.name = kIncisionName;
+        line.near_slice_mm = kNearSliceMm;
         line.points = approach.incision;
         if (!on_top)
             for (std::size_t i = 0; i < line.points.size(); ++i)
@@ -364,6 +368,7 @@ std::vector<Scene> slice_scenes(planner::Patient& patient, const Vec3& point, co
         slice.labels = patient.labels();
         slice.outline_of_label = colors;
         scene.slices.push_back(std::move(slice));
+        scene.lines = vessel_lines(patient.planned_case());
         scenes.push_back(std::move(scene));
     }
     return scenes;
@@ -506,6 +511,8 @@ std::vector<SurfaceItem> anatomy_surfaces(planner::Patient& patient, const Job& 
         item.name = name_in_picture(patient.planned_case(), info->name);
         surfaces.push_back(std::move(item));
     }
+    for (SurfaceItem& vessel : vessel_surfaces(patient.planned_case()))
+        surfaces.push_back(std::move(vessel));
     return surfaces;
 }
 

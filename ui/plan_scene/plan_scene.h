@@ -70,7 +70,8 @@ std::vector<Scene> slice_scenes(planner::Patient& patient, const Vec3& point, co
 /// makes them for "slices"; no planned field is needed.
 Picture slices_picture(planner::Patient& patient, const planner::Approach& approach, int width, int height);
 
-/// Bones, targets and structures at risk as they lie in the CT, to be seen through the wall; see label_surfaces().
+/// Bones, targets, structures at risk and assumed vessels as they lie in the CT, to be seen through the wall; see
+/// label_surfaces() and vessel_surfaces().
 std::vector<SurfaceItem> anatomy_surfaces(planner::Patient& patient, const Job& job = {});
 
 /// The patient without an approach, from the front and from outside.

@@ -28,6 +28,7 @@
 #include "planner/plan/saved/saved_plan.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
+#include "ui/plan_scene/vessel_surfaces.h"
 #include "ui/report_view/field_view.h"
 #include "ui/results/metrics_csv.h"
 #include "ui/scene/vtk/identifier_picture.h"
@@ -181,7 +182,9 @@ namespace {
         planner::Patient& patient, const FieldViews& request)
     {
         Scene& scene = picture.viewports.front().scene;
-        field.metrics.best_eye_pixels = target_pixels(renderer, scene).share();
+        Scene counted = scene; // what an assumed vessel hides is in no number
+        remove_vessels(counted);
+        field.metrics.best_eye_pixels = target_pixels(renderer, counted).share();
         if (!request.names)
             return;
         add_names(scene,

@@ -79,12 +79,12 @@ namespace {
 
     /// The part of a segment that lies near a plane, as fractions of the segment; `from` and `to` are the distances of
     /// its ends from the plane. Nothing where no part does.
-    std::optional<std::pair<double, double>> near_part(double from, double to)
+    std::optional<std::pair<double, double>> near_part(double from, double to, double near_mm)
     {
         double begin = 0.0, end = 1.0;
         if (from == to)
-            return std::abs(from) <= kNearSliceMm ? std::optional(std::pair(begin, end)) : std::nullopt;
-        const double low = (-kNearSliceMm - from) / (to - from), high = (kNearSliceMm - from) / (to - from);
+            return std::abs(from) <= near_mm ? std::optional(std::pair(begin, end)) : std::nullopt;
+        const double low = (-near_mm - from) / (to - from), high = (near_mm - from) / (to - from);
         begin = std::max(begin, std::min(low, high));
         end = std::min(end, std::max(low, high));
         return begin < end ? std::optional(std::pair(begin, end)) : std::nullopt;
@@ -97,7 +97,7 @@ namespace {
         bool goes_on = false;
         for (std::size_t i = 0; i + 1 < line.points.size(); ++i) {
             const Vec3 &from = line.points[i], &to = line.points[i + 1];
-            const auto near = near_part(from[axis] - at, to[axis] - at);
+            const auto near = near_part(from[axis] - at, to[axis] - at, line.near_slice_mm);
             const auto add = [&](double fraction) {
                 Vec3 p = from + fraction * (to - from);
                 p[axis] = at;
@@ -206,7 +206,7 @@ Scene slice_with_lines(Scene scene, const Vec3& point)
     SliceItem& slice = scene.slices.front();
     slice.point = point;
     const int axis = axis_across(slice.plane);
-    bool has_part = false;
+    std::optional<double> incision_within_mm;
     std::vector<LineItem> lines;
     for (const LineItem& line : scene.lines)
         if (is_ball_outline(line)) {
@@ -214,13 +214,14 @@ Scene slice_with_lines(Scene scene, const Vec3& point)
                 lines.push_back(*std::move(outline));
         } else {
             for (LineItem& part : parts_near(line, axis, point[axis])) {
+                if (part.name == kIncisionName)
+                    incision_within_mm = part.near_slice_mm;
                 lines.push_back(std::move(part));
-                has_part = true;
             }
         }
     scene.lines = std::move(lines);
-    if (has_part)
-        scene.title += formatted(", incision within %.0f mm", kNearSliceMm);
+    if (incision_within_mm)
+        scene.title += formatted(", incision within %.0f mm", *incision_within_mm);
     return scene;
 }
 

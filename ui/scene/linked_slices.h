@@ -7,6 +7,7 @@
 #include <array>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor::ui {
@@ -45,12 +46,15 @@ std::vector<LineItem> mark_at(const Vec3& place, double half_length_mm);
 /// Whether a scene is a slice that slices_at() moves.
 bool is_linked_slice(const Scene& scene);
 
-/// Farther from a slice an incision would seem to lie across organs through which it does not go.
+/// Name of the line of an incision.
+inline constexpr std::string_view kIncisionName = "incision";
+/// LineItem::near_slice_mm of an incision: farther from a slice it would seem to lie across organs through which it
+/// does not go.
 inline constexpr double kNearSliceMm = 10.0;
 
-/// A slice through another point, with those parts of its lines (incisions, in space) that lie near its plane, put on
-/// the plane; the title says so where there are any. The outline of a ball (a closed circle named "target") shrinks
-/// with the distance from its centre.
+/// A slice through another point, with those parts of its lines (in space) that lie near its plane
+/// (LineItem::near_slice_mm), put on the plane; the title says so where there is an incision. The outline of a ball (a
+/// closed circle named "target") shrinks with the distance from its centre.
 /// @pre is_linked_slice(scene)
 Scene slice_with_lines(Scene scene, const Vec3& point);
 

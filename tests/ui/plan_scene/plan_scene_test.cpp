@@ -4,6 +4,7 @@
 #include "planner/plan/plan.h"
 #include "tests/support/block_case.h"
 #include "ui/plan_scene/field_map.h"
+#include "ui/plan_scene/vessel_surfaces.h"
 #include "ui/scene/vtk/identifier_picture.h"
 
 #include <gtest/gtest.h>
@@ -46,6 +47,40 @@ namespace plan_scene_test {
         EXPECT_GT(rays, 0.05); // partly hidden, or the comparison says nothing
         EXPECT_LT(rays, 0.95);
         EXPECT_NEAR(pixels.share(), rays, kShareTolerance);
+    }
+
+    TEST_F(PlanScene, AnAssumedVesselMovesWithTheTissueAndIsDividedByTheCut)
+    {
+        const planner::Approach& approach = field->approach;
+        const std::size_t middle = approach.incision.size() / 2;
+        const Vec3 inward = approach.directions[middle];
+        const Vec3 across = (approach.incision.back() - approach.incision.front()).cross(inward).normalized();
+        const Vec3 under = approach.incision[middle] + 0.3 * approach.depth_mm * inward;
+        planner::Case planned_case = patient->planned_case();
+        planned_case.assumed_vessels
+            = { { .name = "crossing", .line = { under - 25.0 * across, under + 25.0 * across } },
+                  { .name = "elsewhere", .line = { under + 300.0 * across, under + 330.0 * across } } };
+        const std::vector<SurfaceItem> at_rest = vessel_surfaces(planned_case);
+        ASSERT_EQ(at_rest.size(), 2U);
+        EXPECT_EQ(at_rest[0].name, "crossing (assumed place)");
+        const std::vector<LineItem> lines = vessel_lines(planned_case);
+        ASSERT_EQ(lines.size(), 2U);
+        EXPECT_EQ(lines[0].points, planned_case.assumed_vessels[0].line);
+        const std::vector<SurfaceItem> opened = vessel_surfaces(planned_case, *field);
+        ASSERT_EQ(opened.size(), 2U) << "both sides of the divided vessel, and nothing far from the wound";
+        double gap[2] = { 0.0, 0.0 }; // nearest to the cut on each side, away from it
+        for (std::size_t n = 0; n < 2; ++n) {
+            const Eigen::VectorXd side = (opened[n].mesh->vertices.rowwise() - under.transpose()) * across;
+            gap[n] = side.cwiseAbs().minCoeff();
+            EXPECT_TRUE((side.array() > 0.0).all() || (side.array() < 0.0).all()) << "it bridges the wound";
+        }
+        EXPECT_GT(gap[0] + gap[1], 0.5 * field->geometry.width_mm) << "its ends went with the lips";
+        Scene scene;
+        scene.surfaces = opened;
+        scene.surfaces.push_back({ .name = "heart" });
+        remove_vessels(scene);
+        ASSERT_EQ(scene.surfaces.size(), 1U);
+        EXPECT_EQ(scene.surfaces[0].name, "heart");
     }
 
     TEST_F(PlanScene, TheSurgeonLooksThroughTheOpeningAtTheTarget)

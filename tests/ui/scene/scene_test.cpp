@@ -383,6 +383,12 @@ namespace scene_test {
         ASSERT_EQ(through.lines[0].points.size(), 2U);
         EXPECT_NEAR((through.lines[0].points[0] - Vec3(30.0, 0.0, 0.0)).norm(), 0.0, kRoundOff);
         EXPECT_NEAR((through.lines[0].points[1] - Vec3(50.0, 0.0, 0.0)).norm(), 0.0, kRoundOff);
+        scene.lines.push_back({ .name = "vessel", .points = scene.lines[0].points, .near_slice_mm = 2.0 });
+        const Scene both = slice_with_lines(scene, Vec3::Zero());
+        ASSERT_EQ(both.lines.size(), 2U);
+        EXPECT_NEAR((both.lines[1].points[1] - both.lines[1].points[0]).norm(), 4.0, kRoundOff);
+        scene.lines[0].name = "another line";
+        EXPECT_EQ(slice_with_lines(scene, Vec3::Zero()).title, "axial") << "no incision";
         const Scene far = slice_with_lines(scene, Vec3(0.0, 0.0, 60.0));
         EXPECT_TRUE(far.lines.empty());
         EXPECT_EQ(far.title, "axial");

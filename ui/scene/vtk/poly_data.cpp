@@ -1,6 +1,7 @@
 #include "ui/scene/vtk/poly_data.h"
 
 #include <vtkCellArray.h>
+#include <vtkIdList.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 
@@ -22,6 +23,22 @@ vtkSmartPointer<vtkPolyData> poly_data(const TriMesh& mesh, PointType type)
     data->SetPoints(points);
     data->SetPolys(cells);
     return data;
+}
+
+TriMesh tri_mesh(vtkPolyData& data)
+{
+    TriMesh surface;
+    surface.vertices.resize(data.GetNumberOfPoints(), 3);
+    for (vtkIdType v = 0; v < data.GetNumberOfPoints(); ++v)
+        surface.vertices.row(v) = Eigen::Map<const Eigen::RowVector3d>(data.GetPoint(v));
+    auto corners = vtkSmartPointer<vtkIdList>::New();
+    for (vtkIdType c = 0; c < data.GetNumberOfCells(); ++c) {
+        data.GetCellPoints(c, corners);
+        if (corners->GetNumberOfIds() == 3)
+            surface.triangles.push_back({ static_cast<VertexId>(corners->GetId(0)),
+                static_cast<VertexId>(corners->GetId(1)), static_cast<VertexId>(corners->GetId(2)) });
+    }
+    return surface;
 }
 
 } // namespace retractor::ui

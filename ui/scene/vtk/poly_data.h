@@ -1,5 +1,5 @@
 #pragma once
-// Converts a triangle mesh for VTK's filters and mappers.
+// Converts triangle meshes for VTK's filters and mappers, and back.
 
 #include "mesh/base/geometry.h"
 
@@ -16,5 +16,8 @@ enum class PointType {
 
 /// Vertices (mm) and triangles only. @pre triangles name vertices of the mesh
 vtkSmartPointer<vtkPolyData> poly_data(const TriMesh& mesh, PointType type);
+
+/// The vertices and the triangles of the data; other cells are left out.
+TriMesh tri_mesh(vtkPolyData& data);
 
 } // namespace retractor::ui

@@ -4,7 +4,6 @@
 #include "ui/scene/vtk/poly_data.h"
 
 #include <vtkAdaptiveSubdivisionFilter.h>
-#include <vtkIdList.h>
 #include <vtkPolyData.h>
 #include <vtkQuadricDecimation.h>
 #include <vtkSmartPointer.h>
@@ -27,23 +26,6 @@ namespace {
         return poly_data(surface, PointType::double_precision);
     }
 
-    /// The vertices and triangles of the data.
-    TriMesh bare_surface(vtkPolyData& data)
-    {
-        TriMesh surface;
-        surface.vertices.resize(data.GetNumberOfPoints(), 3);
-        for (vtkIdType v = 0; v < data.GetNumberOfPoints(); ++v)
-            surface.vertices.row(v) = Eigen::Map<const Eigen::RowVector3d>(data.GetPoint(v));
-        auto corners = vtkSmartPointer<vtkIdList>::New();
-        for (vtkIdType c = 0; c < data.GetNumberOfCells(); ++c) {
-            data.GetCellPoints(c, corners);
-            if (corners->GetNumberOfIds() == 3)
-                surface.triangles.push_back({ static_cast<VertexId>(corners->GetId(0)),
-                    static_cast<VertexId>(corners->GetId(1)), static_cast<VertexId>(corners->GetId(2)) });
-        }
-        return surface;
-    }
-
 } // namespace
 
 TriMesh simplified(const TriMesh& surface, double share)
@@ -61,7 +43,7 @@ TriMesh simplified(const TriMesh& surface, double share)
     decimation->SetTargetReduction(1.0 - share);
     decimation->VolumePreservationOn();
     decimation->Update();
-    return bare_surface(*decimation->GetOutput());
+    return tri_mesh(*decimation->GetOutput());
 }
 
 TriMesh with_edges_at_most(const TriMesh& surface, double longest_mm)
@@ -73,7 +55,7 @@ TriMesh with_edges_at_most(const TriMesh& surface, double longest_mm)
     subdivision->SetMaximumEdgeLength(longest_mm);
     subdivision->SetMaximumTriangleArea(std::numeric_limits<double>::max());
     subdivision->Update();
-    return bare_surface(*subdivision->GetOutput());
+    return tri_mesh(*subdivision->GetOutput());
 }
 
 } // namespace retractor::ui

@@ -8,6 +8,7 @@
 #include "mesh/surface/wound_surface.h"
 #include "planner/approach/approach_draft.h"
 #include "planner/measures/ball_strain.h"
+#include "planner/measures/comparison.h"
 #include "planner/measures/risk_distances.h"
 #include "planner/plan/wound_view.h"
 #include "ui/plan_scene/plan_scene.h"
@@ -381,6 +382,8 @@ FieldMapKind field_map_from_string(std::string_view text)
 std::optional<SceneMap> field_map(planner::Patient& patient, const planner::PlannedField& field, FieldMapKind kind)
 {
     RETRACTOR_ASSERT(planner::is_measured(field));
+    if (!planner::is_solved(field.metrics))
+        return std::nullopt;
     switch (kind) {
     case FieldMapKind::strain:
         return strain_map(patient, field);

@@ -41,7 +41,8 @@ inline constexpr std::array<FieldMapName, 6> kFieldMaps { {
 /// Reads a name of kFieldMaps. @throws InputError naming the kinds that there are
 FieldMapKind field_map_from_string(std::string_view text);
 
-/// The map of a measured field; nothing where the field has no such numbers: no blade in contact, no structure at risk.
+/// The map of a measured field; nothing where the field has no such numbers (no blade in contact, no structure at
+/// risk), or where its numbers are not to be used (planner::is_solved()).
 std::optional<SceneMap> field_map(planner::Patient& patient, const planner::PlannedField& field, FieldMapKind kind);
 
 /// The map from the surgeon's eye and from outside, side by side. A map of eyes has the view from outside only.

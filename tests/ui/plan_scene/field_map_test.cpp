@@ -49,6 +49,14 @@ namespace field_map_test {
         static inline std::unique_ptr<planner::PlannedField> field;
     };
 
+    TEST_F(FieldMap, OfAPlanThatIsNotToBeUsedThereIsNone)
+    {
+        planner::PlannedField failed = *field;
+        failed.metrics.mechanics_status = "not converged";
+        for (const FieldMapName& map : kFieldMaps)
+            EXPECT_FALSE(field_map(*patient, failed, map.kind)) << map.name;
+    }
+
     TEST_F(FieldMap, ElongationIsThatOfGreensStrain)
     {
         ASSERT_EQ(field->status, planner::PlanStatus::done) << field->message;

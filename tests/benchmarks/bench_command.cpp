@@ -8,6 +8,7 @@
 #include "tests/benchmarks/palpation/bench_servo.h"
 #include "tests/benchmarks/palpation/bench_spheres.h"
 #include "tests/benchmarks/palpation/bench_springs.h"
+#include "tests/benchmarks/segmentation/bench_segment.h"
 #include "ui/cli/framework/number_range.h"
 
 #include <CLI/CLI.hpp>
@@ -115,6 +116,19 @@ namespace {
         });
     }
 
+    void add_segment_bench(ui::cli::Commands& commands)
+    {
+        auto options = std::make_shared<SegmentBenchOptions>();
+        CLI::App* command = commands.app.add_subcommand(
+            "segment", "Labels found in phantoms of a chest: overlap with the truth, by shape, noise and resolution");
+        command->footer("Example: retractor-bench segment --out segment");
+        command->add_flag("--quick", options->quick, "One phantom on a coarse grid");
+        command->add_option("--out", options->out, "Folder for bench_segment.json");
+        command->callback([&commands, options] {
+            commands.run = [options](const Job& job) { return bench_segment(*options, job); };
+        });
+    }
+
 } // namespace
 
 void add_benchmarks(ui::cli::Commands& commands)
@@ -156,6 +170,7 @@ void add_benchmarks(ui::cli::Commands& commands)
     add_servo_bench(commands);
     add_palpate_bench(commands);
     add_spheres_bench(commands);
+    add_segment_bench(commands);
 }
 
 } // namespace retractor::benchmarks

@@ -1,5 +1,6 @@
 #pragma once
-// The commands of retractor-bench with their options: cut, open, drag, gape, springs, spheres, palpate, servo.
+// The commands of retractor-bench with their options: cut, open, drag, gape, springs, spheres, palpate, servo,
+// segment.
 
 #include "ui/cli/framework/command.h"
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <string>
@@ -21,7 +22,7 @@ CommandRun run(const std::string& arguments)
 
 TEST(BenchCommand, HelpHasAnExampleForEveryCommand)
 {
-    for (const char* command : { "palpate", "cut", "gape", "open", "drag", "springs", "spheres", "servo" }) {
+    for (const char* command : { "palpate", "cut", "gape", "open", "drag", "springs", "spheres", "servo", "segment" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find(std::string("Example: retractor-bench ") + command), std::string::npos) << command;
@@ -55,6 +56,28 @@ TEST(BenchCommand, CutMeasuresWhatTheCutReports)
     EXPECT_EQ(rows[0].at("mean_increase"), rows[1].at("mean_increase"));
     EXPECT_EQ(run("cut --repeats 0").exit_code, 2);
     EXPECT_EQ(run("").exit_code, 2);
+}
+
+TEST(BenchCommand, SegmentMeasuresTheOverlapWithTheTruth)
+{
+    const CommandRun bench = run("segment --quick --json");
+    ASSERT_EQ(bench.exit_code, 0) << bench.out;
+    const Json row = bench.json().at("results").at(0);
+    EXPECT_EQ(row.at("dice").size(), 32U) << "24 ribs and 8 other structures";
+    double least = 1.0, sum = 0.0;
+    for (const auto& [name, dice] : row.at("dice").items()) {
+        EXPECT_LE(dice.get<double>(), 1.0) << name;
+        if (!name.starts_with("rib_"))
+            continue;
+        least = std::min(least, dice.get<double>());
+        sum += dice.get<double>();
+    }
+    EXPECT_EQ(row.at("least_rib").get<double>(), least);
+    EXPECT_EQ(row.at("dice").at(row.at("worst_rib").get<std::string>()).get<double>(), least);
+    constexpr double kRoundOff = 1e-12;
+    EXPECT_NEAR(row.at("mean_rib").get<double>(), sum / 24.0, kRoundOff);
+    EXPECT_GT(row.at("dice").at("lung_left").get<double>(), 0.9);
+    EXPECT_GT(row.at("mean_rib").get<double>(), 0.5) << "on a grid of 3 mm, where ribs are three voxels high";
 }
 
 TEST(BenchCommand, OpenAgreesWithAFullRebuildOfItsOwnProcess)

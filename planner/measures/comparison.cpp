@@ -131,6 +131,16 @@ namespace {
                             return same.seen_best_eye;
                     return std::nullopt;
                 });
+        for (const TurnedSight& turn : first.if_turned) {
+            const double degrees = std::abs(turn.left_side_up_deg);
+            add(degrees > 0.0 ? formatted("the incision's side up by %.0f degrees", degrees) : "the patient supine",
+                [&](const FieldMetrics& field) -> std::optional<double> {
+                    for (const TurnedSight& same : field.if_turned)
+                        if (std::abs(same.left_side_up_deg) == degrees)
+                            return same.seen_best_eye;
+                    return std::nullopt;
+                });
+        }
         std::vector<double> shares;
         for (const FieldMetrics& field : fields)
             for (const LungSight& lung : field.if_lung_keeps)
@@ -190,7 +200,7 @@ std::vector<std::string> sight_order_sentences(
         return sentences;
     const auto [least, most] = std::minmax_element(same.begin(), same.end());
     const auto part = [](const auto& one) { return formatted("%.0f %% with ", 100.0 * one.first) + one.second; };
-    sentences.push_back(letters[best] + " shows most also when organs or lungs lie otherwise"
+    sentences.push_back(letters[best] + " shows most also when patient, organs or lungs lie otherwise"
         + (least == most ? ": " + part(*least) : ": from " + part(*least) + " to " + part(*most)) + ".");
     return sentences;
 }

@@ -53,10 +53,10 @@ bool have_one_target(const std::vector<FieldMetrics>& fields);
 inline constexpr std::string_view kDifferentTargets
     = "The approaches have different targets, so what is seen of them is not compared.";
 
-/// Whether the approach that shows most of the target still does when organs or lungs lie otherwise than assumed: one
-/// sentence for each condition under which another one shows most, or one sentence with the least and the most that the
-/// same approach shows. Empty where the fields have different targets, fewer than two of them are solved, none leads,
-/// or no condition was measured.
+/// Whether the approach that shows most of the target still does when patient, organs or lungs lie otherwise than
+/// assumed: one sentence for each condition under which another one shows most, or one sentence with the least and the
+/// most that the same approach shows. Empty where the fields have different targets, fewer than two of them are solved,
+/// none leads, or no condition was measured.
 /// @param letters of the fields; empty: as compared_letter()
 std::vector<std::string> sight_order_sentences(
     const std::vector<FieldMetrics>& fields, std::vector<std::string> letters = {});

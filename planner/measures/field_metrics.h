@@ -363,6 +363,13 @@ struct LungSight {
     double seen_best_eye = 0.0;
 };
 
+/// FieldMetrics::seen_best_eye on the table, from an eye above the wound (kLowestSightDeg), with the patient turned
+/// about the long axis. Organs sink towards the floor.
+struct TurnedSight {
+    double left_side_up_deg = 0.0; ///< 0: supine; 90: on the right side; negative: the right side is up
+    double seen_best_eye = 0.0;
+};
+
 struct FieldMetrics {
     std::string name; ///< name of the approach
     std::string target; ///< target_name() of the target
@@ -398,6 +405,8 @@ struct FieldMetrics {
     /// inspiration. Smallest shift first.
     std::vector<ShiftedSight> if_organs_shift;
     std::vector<LungSight> if_lung_keeps {}; ///< empty where no lung is held aside
+    /// Supine, turned with the side of the incision up, and, where it lies beside the midline, on the other side.
+    std::vector<TurnedSight> if_turned {};
     /// Labels among target, what hides it and what is at risk that were estimated, not seen in the image.
     std::vector<std::string> estimated;
     /// From hooks and blades of a retractor where they stand, each structure once, nearest first.

@@ -607,6 +607,10 @@ namespace {
         for (const LungSight& lung : field.if_lung_keeps)
             json["if_lung_keeps"].push_back(
                 { { "volume_share", lung.lung_share }, { "seen_best_eye", lung.seen_best_eye } });
+        json["if_turned"] = Json::array();
+        for (const TurnedSight& turned : field.if_turned)
+            json["if_turned"].push_back(
+                { { "left_side_up_deg", turned.left_side_up_deg }, { "seen_best_eye", turned.seen_best_eye } });
         json["estimated"] = field.estimated;
         json["cone"] = { { "eye_distance_mm", field.eye_distance_mm }, { "half_angle_deg", field.cone_half_angle_deg },
             { "eyes", field.eyes }, { "target_samples", field.target_samples } };

@@ -9,6 +9,7 @@
 #include "planner/measures/region_text.h"
 #include "planner/measures/risk_distances.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/sight/position_text.h"
 #include "planner/measures/volume_failures.h"
 
 #include <algorithm>
@@ -62,6 +63,21 @@ namespace {
                     + (least->seen_best_eye < kNotSeen ? "nothing"
                                                        : "only " + two_digits(100.0 * least->seen_best_eye) + " %")
                     + " of the " + target + " in sight.");
+    }
+
+    /// How the patient should lie, where it changes much of what an eye above the table sees.
+    void say_position(const FieldMetrics& field, Sentences& said)
+    {
+        constexpr double kWorthTurning = 1.25, kWorthTurningBy = 0.02;
+        if (field.if_turned.empty())
+            return;
+        const double first = field.if_turned.front().seen_best_eye;
+        const TurnedSight& best = *std::ranges::max_element(field.if_turned, {}, &TurnedSight::seen_best_eye);
+        if (best.seen_best_eye > kWorthTurning * first && best.seen_best_eye > first + kWorthTurningBy)
+            say(said, Light::clear,
+                "From above the table " + two_digits(100.0 * best.seen_best_eye) + " % is seen "
+                    + position_words(best.left_side_up_deg) + ", and " + two_digits(100.0 * first) + " % "
+                    + position_words(field.if_turned.front().left_side_up_deg) + ".");
     }
 
     void say_opening(const FieldMetrics& field, Sentences& said)
@@ -254,6 +270,7 @@ namespace {
             say_bearing(field, said);
             say_risks(field, said);
             say_sight(field, said);
+            say_position(field, said);
             say_opening(field, said);
             say_force(field, said);
         }

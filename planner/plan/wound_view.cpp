@@ -191,10 +191,11 @@ WoundView look_through(const PlannedField& field, const Points& displacement, Pa
     return view;
 }
 
-double seen_from_best_eye(
-    const PlannedField& field, const Points& displacement, Patient& patient, const Job& job, const OrganPlaces& places)
+double seen_from_best_eye(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job,
+    const OrganPlaces& places, const std::optional<Vec3>& up)
 {
-    const Outlook outlook(field, displacement, patient, job, places);
+    Outlook outlook(field, displacement, patient, job, places);
+    outlook.places.up = up;
     return best_eye(outlook.scene, outlook.places, outlook.samples, job).seen_fraction;
 }
 

@@ -11,6 +11,7 @@
 #include "planner/plan/planned_field.h"
 #include "planner/wall/field_geometry.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,7 +59,8 @@ WoundView look_through(const PlannedField& field, const Points& displacement, Pa
 
 /// SurgeonEye::seen_fraction alone, through the wound under another solution that the field is compared with. The
 /// samples on the target are the same for all solutions, so that two views differ by the wound and not by the samples.
+/// @param up EyePlaces::up
 double seen_from_best_eye(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job,
-    const OrganPlaces& places = {});
+    const OrganPlaces& places = {}, const std::optional<Vec3>& up = {});
 
 } // namespace retractor::planner

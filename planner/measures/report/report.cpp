@@ -16,6 +16,7 @@
 #include "planner/measures/report/html_text.h"
 #include "planner/measures/report/ranking_section.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/sight/position_text.h"
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/verdict.h"
 #include "planner/measures/volume_failures.h"
@@ -459,6 +460,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<p class=\"notice\">" << escaped(field.name) << ": " << escaped(estimated) << ".</p>";
         if (const std::string shifted = shifted_sight_text(field); !shifted.empty())
             out << "<p>The CT is taken in inspiration: " << escaped(shifted) << ".</p>";
+        if (const std::string turned = turned_sight_text(field); !turned.empty())
+            out << "<p>Position on the table: " << escaped(turned) << ".</p>";
         if (field.best_eye_pixels) {
             constexpr double kAgrees = 0.02; // half a pixel along the outlines, and the samples of the rays
             const double off = std::abs(*field.best_eye_pixels - field.best_eye_picture);

@@ -27,8 +27,8 @@ struct Occluder {
     std::string material; ///< material of triangles whose label is not in `labels`; may be empty
     /// True for what the approach moves, which the upper bound removes: the wall that is opened, the blades in it, and
     /// lungs that are held aside. False for organs that stay in the way. Bone inside the wall (tissue_surface() of the
-    /// ribs) is a wall occluder of its own. The wall round the bone blocks the same rays, so the bone only gives the rib
-    /// in the line of sight its name.
+    /// ribs) is a wall occluder of its own. The wall round the bone blocks the same rays, so the bone only gives the
+    /// rib in the line of sight its name.
     bool wall = true;
 };
 

@@ -86,11 +86,16 @@ namespace {
                 && place.distance_mm <= places.farthest_mm + kRoundOff;
         }
 
+        bool is_high_enough(const Place& place) const
+        {
+            return !places.up || places.up->dot(place.direction) >= std::sin(kLowestSightDeg * kDegree);
+        }
+
         /// Takes a place that sees more than the best one so far. @returns whether it did
         bool try_place(const Place& place)
         {
             const Sight sight = sight_from(scene, eye(place), samples);
-            const bool more = sight.seen > seen;
+            const bool more = sight.seen > seen && is_high_enough(place);
             if ((more || sight.bound > bound) && !scene.enclosing(eye(place)).empty())
                 return false;
             bound = std::max(bound, sight.bound);
@@ -205,6 +210,9 @@ namespace {
         if (!(places.nearest_mm > 0.0 && places.nearest_mm <= places.farthest_mm && std::isfinite(places.farthest_mm)))
             throw InputError("the eye's distances must be positive and in order, not "
                 + std::to_string(places.nearest_mm) + " to " + std::to_string(places.farthest_mm) + " mm");
+        constexpr double kRoundOff = 1e-6;
+        if (places.up && !(std::abs(places.up->norm() - 1.0) < kRoundOff))
+            throw InputError("the direction away from the floor must have the length 1");
     }
 
 } // namespace

@@ -20,10 +20,16 @@ inline constexpr double kLargestIncidenceDeg = 60.0;
 /// Distance of the pupils, mm: the mean of adults is 63 to 65 [Dodgson 2004, doi 10.1117/12.529999].
 inline constexpr double kEyesApartMm = 64.0;
 
+/// A surgeon at the table looks down at the wound at this angle at least, degrees below the horizontal (ours).
+inline constexpr double kLowestSightDeg = 15.0;
+
 /// Where an eye may be: in the cone's directions from its aim, between two distances.
 struct EyePlaces {
     ViewCone cone;
     double nearest_mm = 0.0, farthest_mm = 0.0; ///< from cone.aim
+    /// Away from the floor, unit: the eye looks down by kLowestSightDeg at least. What lower eyes would see counts in
+    /// the bound only. Not set: the eye is anywhere in the cone.
+    std::optional<Vec3> up {};
 };
 
 struct SurgeonEye {
@@ -56,7 +62,8 @@ Vec3 aim_through(const RayScene& scene, const OpeningGeometry& opening, const st
 /// Finds the place that sees most of the target: all directions of the cone at three distances, then steps from the
 /// best of them that are halved until they are small. Places inside a closed body are left out.
 /// @param samples of the scene's target
-/// @throws InputError on a bad cone, or distances that are not positive and in order
+/// @throws InputError on a bad cone, a direction that is not of length 1, or distances that are not positive and in
+/// order
 SurgeonEye best_eye(
     const RayScene& scene, const EyePlaces& places, const std::vector<SurfaceSample>& samples, const Job& job = {});
 

@@ -131,13 +131,14 @@ RETRACTOR_ARCHIVE(UninjuredOpening, message, opening_mm, bone, utilisation, hook
 RETRACTOR_ARCHIVE(BestEye, at, aim, distance_mm, incidence_deg, bound_area_mm2, hidden_by)
 RETRACTOR_ARCHIVE(ShiftedSight, shift_mm, seen_best_eye)
 RETRACTOR_ARCHIVE(LungSight, lung_share, seen_best_eye)
+RETRACTOR_ARCHIVE(TurnedSight, left_side_up_deg, seen_best_eye)
 RETRACTOR_ARCHIVE(
     AnnulusAccess, message, centre, normal, given, diameter_mm, opening_off_axis_deg, sight_off_axis_deg, distance_mm)
 RETRACTOR_ARCHIVE(FieldMetrics, name, target, target_spec, seen_best_eye, seen_two_eyes, reached_by_two_instruments,
     reached_by_finger, finger_lacks_mm, surgical_freedom_mm2, best_eye_picture, best_eye_pixels, best_eye, annulus,
     access_horizontal_deg, access_vertical_deg, coaxiality_deg, visible_fraction, visible_fraction_mean_eye,
     visible_fraction_central_eye, visible_fraction_wall_removed, eye_distance_mm, cone_half_angle_deg, eyes,
-    target_samples, blockers, bone_in_sight, if_organs_shift, if_lung_keeps, estimated, steel_at_risk, at_risk,
+    target_samples, blockers, bone_in_sight, if_organs_shift, if_lung_keeps, if_turned, estimated, steel_at_risk, at_risk,
     retracted, opening_area_mm2, opening_width_mm, working_distance_mm, opening_solid_angle_sr, attack_along_deg,
     attack_across_deg, target_offset_mm, incision_length_mm, cut_depth_mm, crossed_bones, divided_cartilages, hooks,
     retractor, hook_force_N, force_moments, strain_p99, strain_p99_at, tissue_strain, lip_deviation, bones, bones_rough,

@@ -106,10 +106,19 @@ namespace comparison_test {
         const FieldMetrics far_behind = with_conditions(0.05, 0.02, {});
         EXPECT_EQ(sight_order_sentences({ a, far_behind }),
             (std::vector<std::string> {
-                "A shows most also when organs or lungs lie otherwise: from 10 % with lungs of 50 % "
+                "A shows most also when patient, organs or lungs lie otherwise: from 10 % with lungs of 50 % "
                 "of their volume to 60 % with lungs of 20 % of their volume." }));
         const FieldMetrics as_good = with_conditions(0.45, 0.205, {}); // within the error of the samples
         EXPECT_EQ(sight_order_sentences({ a, as_good }).size(), 1U) << "the lungs alone";
+    }
+
+    TEST(Comparison, ComparesBothSidesWithTheirOwnSideUp)
+    {
+        FieldMetrics left = field(0.50, 0.01), right = field(0.40, 0.01);
+        left.if_turned = { { 0.0, 0.10 }, { 30.0, 0.45 } };
+        right.if_turned = { { 0.0, 0.30 }, { -30.0, 0.35 } };
+        EXPECT_EQ(sight_order_sentences({ left, right }),
+            (std::vector<std::string> { "With the patient supine, B shows most (30 %), not A (10 %)." }));
     }
 
     TEST(Comparison, SaysNothingOfConditionsThatWereNotMeasuredOrCannotBeCompared)

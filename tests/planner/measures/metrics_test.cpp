@@ -1,5 +1,7 @@
 #include "planner/measures/metrics.h"
 
+#include "planner/measures/sight/position_text.h"
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -57,6 +59,21 @@ namespace metrics_test {
             "with the organs 10 mm nearer to the head the best eye sees 12.0 %, 20 mm 0.0 %");
         EXPECT_EQ(document_of(field).at("estimated").at(1), "rib_left_4");
         EXPECT_DOUBLE_EQ(document_of(field).at("if_organs_shift").at(0).at("seen_best_eye").get<double>(), 0.12);
+    }
+
+    TEST(Metrics, WhatIsSeenInEachPositionOnTheTableIsSaid)
+    {
+        FieldMetrics field;
+        field.name = "straight";
+        EXPECT_EQ(turned_sight_text(field), "");
+        field.if_turned = { { 0.0, 0.05 }, { -30.0, 0.12 }, { 90.0, 0.2 } };
+        EXPECT_EQ(turned_sight_text(field),
+            "an eye above the table sees supine 5.0 %, with the right side up by 30 degrees 12.0 %, lying on the "
+            "right side 20.0 %");
+        const auto turned = document_of(field).at("if_turned");
+        EXPECT_EQ(turned.at(1).at("left_side_up_deg"), -30.0);
+        EXPECT_EQ(turned.at(1).at("seen_best_eye"), 0.12);
+        EXPECT_EQ(position_words(-90.0), "lying on the left side");
     }
 
 } // namespace metrics_test

@@ -123,6 +123,19 @@ namespace verdict_test {
             "A lung that keeps 50 % of its volume instead of 30 % leaves nothing of the left atrium in sight."));
     }
 
+    TEST(Verdict, APositionThatShowsMuchMoreIsNamed)
+    {
+        FieldMetrics field = good_field();
+        field.if_turned = { { 0.0, 0.04 }, { 15.0, 0.08 }, { 30.0, 0.12 } };
+        const Verdict verdict = verdict_of(field);
+        EXPECT_EQ(verdict.light, Light::clear) << "any patient can be turned";
+        EXPECT_TRUE(
+            says(verdict, "From above the table 12 % is seen with the left side up by 30 degrees, and 4.0 % supine."));
+        const std::size_t sentences = verdict.sentences.size();
+        field.if_turned = { { 0.0, 0.11 }, { 30.0, 0.12 } };
+        EXPECT_EQ(verdict_of(field).sentences.size(), sentences - 1U) << "not worth it";
+    }
+
     TEST(Verdict, TheForceHasBothIntervals)
     {
         FieldMetrics field = good_field();
@@ -218,6 +231,10 @@ namespace verdict_test {
         field.at_risk = { { .name = "heart", .distance_mm = 0.0 } };
         EXPECT_EQ(verdict_of(field).light, Light::injury);
         EXPECT_TRUE(says(verdict_of(field), "The blade cuts the heart."));
+        field.at_risk.front().is_assumed = true;
+        EXPECT_EQ(verdict_of(field).light, Light::caution) << "nobody has seen it there";
+        EXPECT_TRUE(says(verdict_of(field), "The blade cuts the heart (assumed place)."));
+        field.at_risk.front().is_assumed = false;
         field.at_risk.front().distance_mm = 0.4; // a saw whose foot runs between bone and heart
         EXPECT_EQ(verdict_of(field).light, Light::caution);
         EXPECT_TRUE(says(verdict_of(field), "The cut comes within 2 mm of the heart."));
@@ -231,10 +248,6 @@ namespace verdict_test {
     {
         FieldMetrics field = good_field();
         field.seen_best_eye = 0.001;
-        field.at_risk.front().is_assumed = true;
-        EXPECT_EQ(verdict_of(field).light, Light::caution) << "nobody has seen it there";
-        EXPECT_TRUE(says(verdict_of(field), "The blade cuts the heart (assumed place)."));
-        field.at_risk.front().is_assumed = false;
         EXPECT_EQ(verdict_of(field).light, Light::injury);
         EXPECT_TRUE(says(verdict_of(field), "The left atrium is not seen."));
         field.seen_best_eye = 0.05;

@@ -55,6 +55,9 @@ namespace plan_test {
         EXPECT_NEAR(open.metrics.best_eye.distance_mm, 400.0, 120.0); // a surgeon leans in and back by 100 mm
         ASSERT_EQ(open.metrics.if_organs_shift.size(), 2U);
         EXPECT_LT(open.metrics.if_organs_shift[1].seen_best_eye, open.metrics.seen_best_eye); // the target moves away
+        ASSERT_GE(open.metrics.if_turned.size(), 3U);
+        EXPECT_EQ(open.metrics.if_turned[0].left_side_up_deg, 0.0);
+        EXPECT_EQ(std::abs(open.metrics.if_turned[2].left_side_up_deg), 30.0);
         EXPECT_GT(half.metrics.visible_fraction, closed.metrics.visible_fraction);
         EXPECT_GT(open.metrics.visible_fraction, half.metrics.visible_fraction);
         EXPECT_GT(open.metrics.opening_area_mm2, half.metrics.opening_area_mm2);

@@ -10,6 +10,7 @@
 #include "planner/measures/metrics.h"
 #include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/sight/position_text.h"
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/verdict.h"
 #include "planner/measures/volume_failures.h"
@@ -130,6 +131,8 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
             text += "  " + planner::opinion_text(*m.second_opinion) + "\n";
         if (const std::string shifted = planner::shifted_sight_text(m); !shifted.empty())
             text += "  " + shifted + "\n";
+        if (const std::string turned = planner::turned_sight_text(m); !turned.empty())
+            text += "  " + turned + "\n";
         if (const std::string estimated = planner::estimated_text(m); !estimated.empty())
             text += "  caution: " + estimated + "\n";
         if (!m.at_risk.empty())

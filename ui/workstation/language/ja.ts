@@ -2292,6 +2292,62 @@
         <translation>肺が体積の %1 % のとき</translation>
     </message>
     <message>
+        <source>Seen supine</source>
+        <translation>仰臥位のとき</translation>
+    </message>
+    <message>
+        <source>Seen with the left side up by %1 degrees</source>
+        <translation>左側を %1 度上げたとき</translation>
+    </message>
+    <message>
+        <source>Seen with the right side up by %1 degrees</source>
+        <translation>右側を %1 度上げたとき</translation>
+    </message>
+    <message>
+        <source>Seen lying on the right side</source>
+        <translation>右側臥位のとき</translation>
+    </message>
+    <message>
+        <source>Seen lying on the left side</source>
+        <translation>左側臥位のとき</translation>
+    </message>
+    <message>
+        <source>Seen by the best eye that looks down at the wound by at least %1 degrees, with the patient so on the table. Organs sink with gravity.</source>
+        <translation>患者がこの体位で手術台にいるとき、水平から %1 度以上見下ろす最良の目に見える割合。臓器は重力で沈みます。</translation>
+    </message>
+    <message>
+        <source>supine</source>
+        <translation>仰臥位</translation>
+    </message>
+    <message>
+        <source>with the left side up by %1 degrees</source>
+        <translation>左側を %1 度上げた体位</translation>
+    </message>
+    <message>
+        <source>with the right side up by %1 degrees</source>
+        <translation>右側を %1 度上げた体位</translation>
+    </message>
+    <message>
+        <source>lying on the right side</source>
+        <translation>右側臥位</translation>
+    </message>
+    <message>
+        <source>lying on the left side</source>
+        <translation>左側臥位</translation>
+    </message>
+    <message>
+        <source>From above the table %1 % is seen %2, and %3 % %4.</source>
+        <translation>手術台の上からは、%2で %1 %、%4で %3 % が見えます。</translation>
+    </message>
+    <message>
+        <source>the patient supine</source>
+        <translation>仰臥位の場合</translation>
+    </message>
+    <message>
+        <source>the incision's side up by %1 degrees</source>
+        <translation>切開側を %1 度上げた場合</translation>
+    </message>
+    <message>
         <source>Seen past a lung of %1 % of its volume</source>
         <translation>肺が体積の %1 % のとき</translation>
     </message>
@@ -3312,8 +3368,8 @@
         <translation>肺が体積の %1 % の場合</translation>
     </message>
     <message>
-        <source>%1 shows most also when organs or lungs lie otherwise: from %2 to %3.</source>
-        <translation>臓器や肺の位置が変わっても %1 が最もよく見えます：%2 〜 %3。</translation>
+        <source>%1 shows most also when patient, organs or lungs lie otherwise: from %2 to %3.</source>
+        <translation>患者の体位や、臓器・肺の位置が変わっても %1 が最もよく見えます：%2 〜 %3。</translation>
     </message>
     <message>
         <source>Finite elements</source>
@@ -5532,6 +5588,14 @@
         <translation>胸骨から %1 mm</translation>
     </message>
     <message>
+        <source>%1 mm from the mammary artery</source>
+        <translation>内胸動脈から %1 mm</translation>
+    </message>
+    <message>
+        <source>%1 mm from where the mammary artery is assumed</source>
+        <translation>内胸動脈の想定位置から %1 mm</translation>
+    </message>
+    <message>
         <source>the ribs join</source>
         <translation>肋骨が合う所</translation>
     </message>
@@ -5586,14 +5650,6 @@
     <message>
         <source>What these numbers do not say</source>
         <translation>これらの数値が言わないこと</translation>
-    </message>
-    <message>
-        <source>%1 mm from the mammary artery</source>
-        <translation>内胸動脈から %1 mm</translation>
-    </message>
-    <message>
-        <source>%1 mm from where the mammary artery is assumed</source>
-        <translation>内胸動脈の想定位置から %1 mm</translation>
     </message>
     <message>
         <source>Each tissue has a published mean stiffness, not the stiffness of this patient.</source>
@@ -5656,8 +5712,8 @@
         <translation>%1は切る刃から %2 mm にあります。</translation>
     </message>
     <message>
-        <source>%1 shows most also when organs or lungs lie otherwise: from %2 % with lungs of %3 % of their volume to %4 % with lungs of %5 % of their volume.</source>
-        <translation>臓器や肺の位置が変わっても%1が最もよく見えます：肺が体積の %3 % で %2 %、%5 % で %4 %。</translation>
+        <source>%1 shows most also when patient, organs or lungs lie otherwise: from %2 % with lungs of %3 % of their volume to %4 % with lungs of %5 % of their volume.</source>
+        <translation>患者の体位や、臓器・肺の位置が変わっても%1が最もよく見えます：肺が体積の %3 % で %2 %、%5 % で %4 %。</translation>
     </message>
     <message>
         <source>Planned opening, from side to side</source>
@@ -6030,6 +6086,10 @@
     <message>
         <source>looking past other lung volumes</source>
         <translation>創を通した視野を計算中（肺の容積を変えた場合）</translation>
+    </message>
+    <message>
+        <source>looking with the patient turned</source>
+        <translation>患者の体位を変えて見え方を計算中</translation>
     </message>
     <message>
         <source>reaching in with instruments</source>

@@ -38,6 +38,7 @@ namespace {
         { "instruments", "reaching in with instruments" },
         { "expose, organs higher", "looking with organs higher" },
         { "expose, other lungs", "looking past other lung volumes" },
+        { "expose, turned", "looking with the patient turned" },
         { "expose, other elements", kError },
         { "error estimate", kError },
         { "surroundings", "drawing what lies round the wound" },

@@ -15,6 +15,8 @@
 #include "planner/measures/region_text.h"
 #include "planner/measures/risk_distances.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/sight/position_text.h"
+#include "planner/measures/sight/surgeon_eye.h"
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 
@@ -85,6 +87,13 @@ namespace {
                     "Seen by the best eye when the lung that is held aside keeps another share of its volume than "
                     "the assumed %.0f %%.",
                     100.0 * planner::kDeflatedLungShare) });
+        for (const planner::TurnedSight& turned : field.if_turned)
+            section.rows.push_back(
+                { "Seen " + planner::position_words(turned.left_side_up_deg), percent(turned.seen_best_eye),
+                    formatted(
+                        "Seen by the best eye that looks down at the wound by at least %.0f degrees, with the patient "
+                        "so on the table. Organs sink with gravity.",
+                        planner::kLowestSightDeg) });
         section.rows.push_back({ "Bone in sight", names_in_words(planner::bones_in_sight(field)),
             "Bones that block the view of the target." });
         section.rows.push_back(

@@ -69,6 +69,36 @@ namespace surgeon_eye_test {
         EXPECT_LT(best.aim.head<2>().norm(), kDisc);
     }
 
+    TEST(SurgeonEye, AnEyeAboveTheTableLooksDownAndTheBoundStays)
+    {
+        // As above: the hole is looked through at 14 degrees from the axis, towards +x.
+        constexpr double kHole = 6.0, kAside = 15.0, kDegree = kPi / 180.0;
+        TriMesh plate = ring(kHole, 400.0, kPlate);
+        plate.vertices.col(0).array() += kAside;
+        const RayScene scene(ring(0.0, kDisc, 0.0), { wall(plate) }, {});
+        EyePlaces places = above(20.0);
+        const SurgeonEye anywhere = best_of(scene, places);
+        const auto tilted = [](double deg) { return Vec3(-std::sin(deg * kDegree), 0.0, std::cos(deg * kDegree)); };
+        for (const double deg : { 0.0, 74.0, 130.0 }) { // of the direction away from the floor, from the axis
+            places.up = tilted(deg);
+            const SurgeonEye best = best_of(scene, places);
+            EXPECT_EQ(best.bound_area_mm2, anywhere.bound_area_mm2) << deg;
+            if (deg == 0.0) {
+                EXPECT_EQ(best.seen_fraction, anywhere.seen_fraction) << "all of the cone is high enough";
+            } else if (deg == 74.0) { // the way through the hole lies 2 degrees above the horizontal
+                EXPECT_LT(best.seen_fraction, 0.7 * anywhere.seen_fraction);
+                EXPECT_GE(places.up->dot((best.eye - places.cone.aim).normalized()),
+                    std::sin(kLowestSightDeg * kDegree) - 1e-9);
+            } else {
+                EXPECT_EQ(best.seen_fraction, 0.0) << "the whole cone lies below the table";
+            }
+        }
+        places.up = Vec3(0.0, 0.0, 2.0);
+        EXPECT_THROW(static_cast<void>(best_of(scene, places)), InputError);
+        places.up = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+        EXPECT_THROW(static_cast<void>(best_of(scene, places)), InputError);
+    }
+
     TEST(SurgeonEye, ThePictureHoldsTheShareOfProjectedArea)
     {
         // A sphere half behind a screen that ends in the plane x = 0, seen from the axis: half of its picture, by

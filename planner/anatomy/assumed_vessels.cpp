@@ -162,7 +162,7 @@ namespace {
     void add_named(std::vector<AssumedVessel>& vessels, const mesh::LabelTable& table, std::string name,
         std::vector<Vec3> line, double radius_mm)
     {
-        if (line.size() >= 2 && mesh::find_label(table, name) == nullptr)
+        if (line.size() >= 2 && !is_labelled(name, table))
             vessels.push_back({ .name = std::move(name), .line = std::move(line), .radius_mm = radius_mm });
     }
 
@@ -171,9 +171,7 @@ namespace {
 std::vector<AssumedVessel> assumed_vessels(const mesh::LabelVolume& labels, const Anatomy& anatomy)
 {
     std::vector<AssumedVessel> vessels;
-    const bool is_labelled
-        = std::ranges::any_of(labels.table, [](const mesh::LabelInfo& info) { return is_mammary(info.name); });
-    if (!is_labelled && anatomy.sternum.midline.size() >= 2) {
+    if (anatomy.sternum.midline.size() >= 2) {
         const SternumEdges edges(labels, anatomy);
         const BodyProbe probe(labels);
         for (const bool is_left : { true, false })
@@ -200,7 +198,18 @@ std::vector<AssumedVessel> assumed_vessels(const mesh::LabelVolume& labels)
 bool is_mammary(std::string_view name)
 {
     const auto has = [&](std::string_view word) { return name.find(word) != std::string_view::npos; };
-    return has("mammary") || has("internal_thoracic") || has("thoracica_interna");
+    return has("mammary_artery") || has("internal_mammary") || has("internal_thoracic") || has("thoracica_interna");
+}
+
+bool is_labelled(std::string_view vessel, const mesh::LabelTable& table)
+{
+    const auto is_other_side = [&](std::string_view label) {
+        const auto has = [](std::string_view name, const char* side) { return name.find(side) != name.npos; };
+        return (has(label, "left") && has(vessel, "right")) || (has(label, "right") && has(vessel, "left"));
+    };
+    return std::ranges::any_of(table, [&](const mesh::LabelInfo& info) {
+        return info.name == vessel || (is_mammary(vessel) && is_mammary(info.name) && !is_other_side(info.name));
+    });
 }
 
 bool is_neurovascular_bundle(std::string_view name) { return name.starts_with("neurovascular_bundle"); }

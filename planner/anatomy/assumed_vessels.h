@@ -27,13 +27,16 @@ inline constexpr double kBundleRadiusMm = 2.0;
 inline constexpr int kLastRibWithBundle = 11;
 
 /// "mammary_artery_left", "mammary_artery_right" and "neurovascular_bundle_left_1" to "neurovascular_bundle_right_11".
-/// What a label names already is left out, and so is a bundle whose rib the labels do not show.
+/// What is labelled (is_labelled()) is left out, and so is a bundle whose rib the labels do not show.
 std::vector<AssumedVessel> assumed_vessels(const mesh::LabelVolume& labels, const Anatomy& anatomy);
 /// The same; nothing where the labels show no sternum, spine or ribs.
 std::vector<AssumedVessel> assumed_vessels(const mesh::LabelVolume& labels);
 
 /// Whether a name is of a mammary artery, as labels spell it.
 bool is_mammary(std::string_view name);
+/// Whether a label shows the vessel of this name: a label of the same name or, of a mammary artery, any label of a
+/// mammary artery of the same side, or of no side.
+bool is_labelled(std::string_view vessel, const mesh::LabelTable& table);
 /// Whether a name is of an intercostal bundle. Every space has one, so it tells no approach from another.
 bool is_neurovascular_bundle(std::string_view name);
 

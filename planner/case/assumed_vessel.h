@@ -4,6 +4,7 @@
 #include "mesh/base/geometry.h"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor::planner {
@@ -14,6 +15,9 @@ struct AssumedVessel {
     std::vector<Vec3> line; ///< along its middle, in order; two places at least
     double radius_mm = 1.0;
 };
+
+/// Behind the name of such a structure, wherever people read it.
+inline constexpr std::string_view kAssumedPlace = " (assumed place)";
 
 /// The largest radius of an assumed vessel, mm: an aorta is no wider.
 inline constexpr double kLargestVesselRadiusMm = 25.0;

@@ -336,7 +336,7 @@ namespace {
         if (!imported.assumed_vessels.empty())
             imported.notes.push_back(
                 "mammary arteries, and vessels and nerves under the ribs, are not seen in the image: "
-                "they are assumed where they usually are (retractor vessels lists them)");
+                "they are assumed where they usually are");
         withhold_identity(request, imported);
         imported.labels = std::make_shared<const mesh::LabelVolume>(std::move(labels));
     }
@@ -531,7 +531,7 @@ Case write_corrected_labels(Case planned_case, const mesh::LabelVolume& labels)
 {
     planned_case.label_table = labels.table;
     std::erase_if(planned_case.assumed_vessels, // a label that someone has made of it takes its place
-        [&](const AssumedVessel& vessel) { return mesh::find_label(labels.table, vessel.name) != nullptr; });
+        [&](const AssumedVessel& vessel) { return is_labelled(vessel.name, labels.table); });
     check_case(planned_case);
     const Staging staging(planned_case.folder);
     planned_case.labels = store_labels(labels, planned_case.folder, staging);

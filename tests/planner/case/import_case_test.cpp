@@ -5,6 +5,7 @@
 #include "datasets/phantoms/phantom.h"
 #include "mesh/base/error.h"
 #include "planner/case/case_io.h"
+#include "tests/support/synthetic_chest.h"
 
 #include <gtest/gtest.h>
 
@@ -59,6 +60,30 @@ namespace import_case_test {
         EXPECT_EQ(datasets::read_label_volume(read.labels_path()).voxels, phantom.labels.voxels);
         EXPECT_FALSE(read.patient.has_value());
         EXPECT_TRUE(made.supports.labels.empty()); // a block has no spine
+    }
+
+    TEST_F(ImportCase, AssumesVesselsOfAChestUntilALabelShowsThem)
+    {
+        const mesh::LabelVolume chest = test_support::synthetic_chest({});
+        datasets::write_label_volume(folder / "in_labels.nrrd", chest);
+        request.ct.clear();
+        const ImportedCase imported = read_import(request);
+        EXPECT_TRUE(std::ranges::any_of(imported.notes,
+            [](const std::string& note) { return note.find("assumed where they usually are") != std::string::npos; }));
+        Case made = write_import(imported, case_file());
+        const auto has = [](const Case& one, const char* name) {
+            return std::ranges::find(one.assumed_vessels, name, &AssumedVessel::name) != one.assumed_vessels.end();
+        };
+        EXPECT_TRUE(has(read_case(case_file()), "mammary_artery_left"));
+        EXPECT_TRUE(has(made, "neurovascular_bundle_right_4"));
+        // A hand paints the left artery under another of its names.
+        mesh::LabelVolume labels = datasets::read_label_volume(made.labels_path());
+        labels.table = made.label_table;
+        labels.table.push_back({ 900, "internal_thoracic_artery_left", "vessel", mesh::Role::at_risk });
+        labels.voxels.front() = 900;
+        made = write_corrected_labels(made, labels);
+        EXPECT_FALSE(has(made, "mammary_artery_left"));
+        EXPECT_TRUE(has(made, "mammary_artery_right"));
     }
 
     TEST_F(ImportCase, LabelsKeepTheirOwnGrid)

@@ -61,13 +61,13 @@ namespace {
         return outcome;
     }
 
-    /// Those that the bones give, and those that were set by hand under other names.
+    /// Those that the bones give, and those of other kinds that were set by hand.
     void assume(planner::Case& planned_case)
     {
         planner::Patient patient(planned_case);
         std::vector<planner::AssumedVessel> vessels = planner::assumed_vessels(*patient.labels(), *patient.anatomy());
         for (planner::AssumedVessel& before : planned_case.assumed_vessels)
-            if (std::ranges::find(vessels, before.name, &planner::AssumedVessel::name) == vessels.end())
+            if (!planner::is_mammary(before.name) && !planner::is_neurovascular_bundle(before.name))
                 vessels.push_back(std::move(before));
         planned_case.assumed_vessels = std::move(vessels);
     }

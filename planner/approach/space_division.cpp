@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -70,8 +69,9 @@ namespace {
                       labels.table, [](const mesh::LabelInfo& info) { return info.name == "sternum"; })))
             , mammary_(voxel_centres(labels, mesh::flagged_labels(labels.table, names_mammary)))
         {
-            std::ranges::copy_if(assumed, std::back_inserter(assumed_mammary_),
-                [](const AssumedVessel& vessel) { return is_mammary(vessel.name); });
+            for (const AssumedVessel& vessel : assumed)
+                if (is_mammary(vessel.name))
+                    assumed_mammary_.emplace_back(places_along(vessel, kVesselStepMm), vessel.radius_mm);
             for (const mesh::LabelInfo& info : labels.table)
                 if (info.role == mesh::Role::at_risk && !names_mammary(info))
                     at_risk_.emplace_back(info.name,
@@ -95,8 +95,8 @@ namespace {
                 return closed_words(place);
             if (nearest(place, mammary_) < kFromMammaryMm)
                 return formatted("%.0f mm from the mammary artery", kFromMammaryMm);
-            for (const AssumedVessel& vessel : assumed_mammary_)
-                if (nearest_centre(place, places_along(vessel, kVesselStepMm)) - vessel.radius_mm < kFromMammaryMm)
+            for (const auto& [places, radius_mm] : assumed_mammary_)
+                if (nearest_centre(place, places) - radius_mm < kFromMammaryMm)
                     return formatted("%.0f mm from where the mammary artery is assumed", kFromMammaryMm);
             if (nearest(place, sternum_) < kFromSternumMm)
                 return formatted("%.0f mm from the sternum", kFromSternumMm);
@@ -159,7 +159,7 @@ namespace {
         AnatomicalFrame frame_;
         double half_voxel_mm_;
         std::vector<Vec3> sternum_, mammary_;
-        std::vector<AssumedVessel> assumed_mammary_;
+        std::vector<std::pair<std::vector<Vec3>, double>> assumed_mammary_; ///< places along each, and its radius
         std::vector<std::pair<std::string, std::vector<Vec3>>> at_risk_; ///< names and voxels
         std::map<int, std::pair<double, double>> spine_; ///< per bin of height: sum of lateral places, and count
     };

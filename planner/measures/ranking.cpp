@@ -151,7 +151,7 @@ namespace {
         constexpr double kTouchingMm = 2.0; // about a voxel, to which the distance is known
         const std::string structure = "The " + risk_name(risk);
         if (risk.from.empty() && !(risk.distance_mm > 0.0))
-            return structure + " is cut.";
+            return structure + (risk.is_assumed ? " may be cut." : " is cut.");
         if (!risk.from.empty() && risk.distance_mm < kTouchingMm)
             return structure + " lies against the " + readable(risk.from) + ".";
         return structure + " lies " + two_digits(risk.distance_mm) + " mm from the "

@@ -138,14 +138,15 @@ std::vector<RiskDistance> risk_distances(const TriMesh& instrument, const std::s
 std::vector<RiskDistance> assumed_distances(
     const TriMesh& surface, std::span<const AssumedVessel> vessels, const std::string& name)
 {
-    constexpr double kStepMm = 0.5; // a quarter of a bundle's radius: the distance is too long by 0.1 mm at most
+    constexpr double kLongestStepMm = 0.5;
     std::vector<RiskDistance> distances;
     if (vessels.empty())
         return distances;
     const mesh::TriangleProximity proximity(surface.vertices, surface.triangles, kFarthestRiskMm);
     for (const AssumedVessel& vessel : vessels) {
         std::optional<RiskDistance> nearest;
-        for (const Vec3& place : places_along(vessel, kStepMm)) {
+        // Half a step is less than the radius: what is cut has the distance 0.
+        for (const Vec3& place : places_along(vessel, std::min(kLongestStepMm, vessel.radius_mm))) {
             const auto found = proximity.within(place, nearest ? nearest->distance_mm : kFarthestRiskMm);
             if (!found.empty())
                 nearest = { .name = vessel.name,
@@ -164,7 +165,7 @@ std::vector<RiskDistance> assumed_distances(
 
 std::string risk_name(const RiskDistance& risk)
 {
-    return readable(risk.name) + (risk.is_assumed ? " (assumed place)" : "");
+    return readable(risk.name) + (risk.is_assumed ? std::string(kAssumedPlace) : "");
 }
 
 void keep_nearest_bundle(std::vector<RiskDistance>& nearest_first)
@@ -173,7 +174,7 @@ void keep_nearest_bundle(std::vector<RiskDistance>& nearest_first)
     std::erase_if(nearest_first, [&](const RiskDistance& risk) {
         if (!risk.is_assumed || !is_neurovascular_bundle(risk.name))
             return false;
-        return !std::exchange(is_first, false);
+        return !std::exchange(is_first, false) && risk.distance_mm > 0.0;
     });
 }
 

@@ -52,7 +52,7 @@ std::vector<RiskDistance> assumed_distances(
 /// The structure's name for people, with "(assumed place)" where no label shows it.
 std::string risk_name(const RiskDistance& risk);
 
-/// Leaves the nearest intercostal bundle: every space has one, and further ones tell nothing.
+/// Leaves the nearest intercostal bundle and those that are cut: every space has one, and further ones tell nothing.
 void keep_nearest_bundle(std::vector<RiskDistance>& nearest_first);
 
 /// The distances from several blades of one approach: each structure once, with its smallest distance, nearest first.

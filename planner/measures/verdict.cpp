@@ -170,7 +170,7 @@ namespace {
         for (const RiskDistance& risk : field.at_risk)
             if (!(risk.distance_mm > 0.0))
                 say(said, risk.is_assumed ? Light::caution : Light::injury,
-                    "The blade cuts the " + risk_name(risk) + ".");
+                    (risk.is_assumed ? "The blade may cut the " : "The blade cuts the ") + risk_name(risk) + ".");
             else if (risk.distance_mm < kTouching)
                 say(said, Light::caution, "The cut comes within 2 mm of the " + risk_name(risk) + ".");
         for (const RiskDistance& risk : field.steel_at_risk)

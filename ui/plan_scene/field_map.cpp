@@ -227,7 +227,8 @@ namespace {
             map.legend.push_back(distances.empty()
                     ? LegendLine { what, "none within " + in_words(planner::kFarthestRiskMm, 0) + " mm" }
                     : LegendLine { what,
-                        readable(distances.front().name) + " " + in_words(distances.front().distance_mm, 0) + " mm" });
+                        planner::risk_name(distances.front()) + " " + in_words(distances.front().distance_mm, 0)
+                            + " mm" });
         };
         add_nearest("nearest to the steel", field.metrics.steel_at_risk);
         add_nearest("nearest to the cut, at rest", field.metrics.at_risk);

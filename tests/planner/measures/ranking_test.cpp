@@ -53,7 +53,7 @@ namespace ranking_test {
         EXPECT_DOUBLE_EQ(score_of(one, only("risk")).points, 25.0) << "the nearest of all";
         one.field.at_risk.push_back({ .name = "mammary_artery_left", .distance_mm = 0.0, .is_assumed = true });
         EXPECT_DOUBLE_EQ(score_of(one, only("risk")).points, 25.0) << "an assumed place earns and costs nothing";
-        EXPECT_EQ(crisis_check(one).front(), "The left mammary artery (assumed place) is cut.");
+        EXPECT_EQ(crisis_check(one).front(), "The left mammary artery (assumed place) may be cut.");
         one.field.bones = { { .name = "rib_left_4", .utilisation = 0.25 } };
         EXPECT_DOUBLE_EQ(score_of(one, only("bone")).points, 75.0);
         one.divided_bones = { "sternum" };

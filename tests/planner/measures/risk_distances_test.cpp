@@ -113,15 +113,18 @@ namespace risk_distances_test {
         const std::vector<AssumedVessel> vessels {
             { .name = "beside", .line = { { 46.0, 10.0, 0.0 }, { 46.0, 10.0, 80.0 } }, .radius_mm = 1.5 },
             { .name = "across", .line = { { 20.0, 10.0, 30.0 }, { 60.0, 10.0, 30.0 } }, .radius_mm = 1.0 },
+            { .name = "thin", .line = { { 39.93, 10.0, 31.0 }, { 60.0, 10.0, 31.0 } }, .radius_mm = 0.1 },
             { .name = "far", .line = { { 95.0, 10.0, 0.0 }, { 95.0, 10.0, 80.0 } }, .radius_mm = 1.0 },
         };
         const std::vector<RiskDistance> found = assumed_distances(cut, vessels);
-        ASSERT_EQ(found.size(), 2U);
+        ASSERT_EQ(found.size(), 3U);
         EXPECT_EQ(found[0].name, "across");
         EXPECT_EQ(found[0].distance_mm, 0.0) << "it is cut";
-        EXPECT_NEAR(found[1].distance_mm, 6.0 - 1.5, kRoundOff);
-        EXPECT_TRUE(found[1].is_assumed);
-        EXPECT_EQ(risk_name(found[1]), "beside (assumed place)");
+        EXPECT_EQ(found[1].name, "thin");
+        EXPECT_EQ(found[1].distance_mm, 0.0) << "however thin it is";
+        EXPECT_NEAR(found[2].distance_mm, 6.0 - 1.5, kRoundOff);
+        EXPECT_TRUE(found[2].is_assumed);
+        EXPECT_EQ(risk_name(found[2]), "beside (assumed place)");
         EXPECT_TRUE(assumed_distances(cut, {}).empty());
     }
 
@@ -134,7 +137,13 @@ namespace risk_distances_test {
             { .name = "heart", .distance_mm = 20.0 }
         };
         keep_nearest_bundle(risks);
+        std::vector<RiskDistance> cut = risks;
         ASSERT_EQ(risks.size(), 3U);
+        for (RiskDistance& risk : cut)
+            risk.distance_mm = 0.0;
+        cut.push_back({ .name = "neurovascular_bundle_left_6", .is_assumed = true });
+        keep_nearest_bundle(cut);
+        EXPECT_EQ(cut.size(), 4U) << "what is cut is named";
         EXPECT_EQ(risks[0].name, "neurovascular_bundle_left_4");
         EXPECT_EQ(risks[1].name, "mammary_artery_left");
         EXPECT_EQ(risks[2].name, "heart");

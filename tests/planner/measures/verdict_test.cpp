@@ -233,7 +233,7 @@ namespace verdict_test {
         EXPECT_TRUE(says(verdict_of(field), "The blade cuts the heart."));
         field.at_risk.front().is_assumed = true;
         EXPECT_EQ(verdict_of(field).light, Light::caution) << "nobody has seen it there";
-        EXPECT_TRUE(says(verdict_of(field), "The blade cuts the heart (assumed place)."));
+        EXPECT_TRUE(says(verdict_of(field), "The blade may cut the heart (assumed place)."));
         field.at_risk.front().is_assumed = false;
         field.at_risk.front().distance_mm = 0.4; // a saw whose foot runs between bone and heart
         EXPECT_EQ(verdict_of(field).light, Light::caution);

@@ -144,6 +144,9 @@ namespace saved_plan_test {
         EXPECT_FALSE(is_read([](Case& c) { c.solution.elasticity = fem::Elasticity::corotational; }));
         EXPECT_FALSE(is_read([](Case& c) { c.materials.front().youngs_modulus_MPa *= 1.1; }));
         EXPECT_FALSE(is_read([](Case& c) { c.labels.sha256.front() = c.labels.sha256.front() == '0' ? '1' : '0'; }));
+        EXPECT_FALSE(is_read([](Case& c) {
+            c.assumed_vessels = { { .name = "mammary_artery_left", .line = { Vec3::Zero(), Vec3::UnitZ() } } };
+        })) << "its distances are numbers of the plan";
         EXPECT_FALSE(read_saved_plan(here, "nobody"));
     }
 

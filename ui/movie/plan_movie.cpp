@@ -11,6 +11,7 @@
 #include "ui/plan_scene/field_map.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/plan_scene/planned_cut.h"
+#include "ui/plan_scene/vessel_surfaces.h"
 #include "ui/scene/arrange_scenes.h"
 #include "ui/scene/camera_motion.h"
 #include "ui/scene/scene_language.h"
@@ -212,6 +213,7 @@ namespace {
         {
             report(0.0);
             Scene opened = overview_scene(patient_, field);
+            remove_vessels(opened); // they would stand still while the wound opens
             opened.legend = estimated_lines(std::move(opened.legend));
             wall_at_rest_ = drawn_wall(patient_, field, Points::Zero(field.wall.vertices.rows(), 3));
             if (!field.remaining_wall.triangles.empty())

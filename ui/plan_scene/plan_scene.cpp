@@ -221,7 +221,6 @@ namespace {
     {
         LineItem line;
         line.name = kIncisionName;
-        line.near_slice_mm = kNearSliceMm;
         line.points = approach.incision;
         if (!on_top)
             for (std::size_t i = 0; i < line.points.size(); ++i)

@@ -6,13 +6,9 @@
 #include "planner/plan/planned_field.h"
 #include "ui/scene/scene.h"
 
-#include <string_view>
 #include <vector>
 
 namespace retractor::ui {
-
-/// Behind the name of a structure whose place is assumed.
-inline constexpr std::string_view kAssumed = " (assumed place)";
 
 /// All of them as they lie before any cut.
 std::vector<SurfaceItem> vessel_surfaces(const planner::Case& planned_case);

@@ -4,6 +4,7 @@
 #include "mesh/base/spatial_hash.h"
 #include "mesh/base/text_format.h"
 #include "ui/plan_scene/plan_scene.h"
+#include "ui/plan_scene/vessel_surfaces.h"
 #include "ui/scene/vtk/simplify_surface.h"
 
 #include <nlohmann/json.hpp>
@@ -278,7 +279,8 @@ namespace {
 
 std::string field_view(planner::Patient& patient, const planner::PlannedField& field)
 {
-    const Scene outside = overview_scene(patient, field);
+    Scene outside = overview_scene(patient, field);
+    remove_vessels(outside); // they would stand still while the wound opens
     std::vector<Part> parts = parts_of(patient, field, outside);
     simplify(parts);
     for (Part& part : parts)

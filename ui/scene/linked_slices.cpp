@@ -115,6 +115,18 @@ namespace {
         return parts;
     }
 
+    /// Lengthens a part that is seen end on, so that it is a dot and not nothing.
+    void make_visible(LineItem& part, int axis)
+    {
+        constexpr double kLeastMm = 3.0;
+        const Vec3 middle = 0.5 * (part.points.front() + part.points.back());
+        const auto is_far = [&](const Vec3& p) { return (p - middle).norm() >= 0.5 * kLeastMm; };
+        if (std::ranges::any_of(part.points, is_far))
+            return;
+        const Vec3 along = 0.5 * kLeastMm * Vec3::Unit(axis == 0 ? 1 : 0);
+        part.points = { middle - along, middle + along };
+    }
+
     /// "LPS 12, -30, 104 mm: 54 HU, aorta"
     std::string probe(const SliceItem& slice, const Vec3& point, const std::map<Label, std::string>& names)
     {
@@ -214,6 +226,7 @@ Scene slice_with_lines(Scene scene, const Vec3& point)
                 lines.push_back(*std::move(outline));
         } else {
             for (LineItem& part : parts_near(line, axis, point[axis])) {
+                make_visible(part, axis);
                 if (part.name == kIncisionName)
                     incision_within_mm = part.near_slice_mm;
                 lines.push_back(std::move(part));

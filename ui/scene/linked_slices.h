@@ -48,9 +48,6 @@ bool is_linked_slice(const Scene& scene);
 
 /// Name of the line of an incision.
 inline constexpr std::string_view kIncisionName = "incision";
-/// LineItem::near_slice_mm of an incision: farther from a slice it would seem to lie across organs through which it
-/// does not go.
-inline constexpr double kNearSliceMm = 10.0;
 
 /// A slice through another point, with those parts of its lines (in space) that lie near its plane
 /// (LineItem::near_slice_mm), put on the plane; the title says so where there is an incision. The outline of a ball (a

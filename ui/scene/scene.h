@@ -72,6 +72,9 @@ struct VolumeItem {
     double opacity = 1.0; ///< scales the opacities of all tissues
 };
 
+/// Farther from a slice an incision would seem to lie across organs through which it does not go.
+inline constexpr double kNearSliceMm = 10.0;
+
 /// A polyline: an incision, a line of sight.
 struct LineItem {
     std::string name {};
@@ -79,7 +82,7 @@ struct LineItem {
     Color color { 0.10, 0.25, 0.95 };
     double width_px = 4.0; ///< at a picture height of 960 pixels
     bool on_top = false; ///< drawn even where something is in front of it
-    double near_slice_mm = 10.0; ///< a linked slice shows the parts that lie as near to it (linked_slices.h)
+    double near_slice_mm = kNearSliceMm; ///< a linked slice shows the parts that lie as near to it (linked_slices.h)
 };
 
 /// An anatomical plane. Shown as radiologists do: axial from the feet, coronal from the front, sagittal from

@@ -387,6 +387,11 @@ namespace scene_test {
         const Scene both = slice_with_lines(scene, Vec3::Zero());
         ASSERT_EQ(both.lines.size(), 2U);
         EXPECT_NEAR((both.lines[1].points[1] - both.lines[1].points[0]).norm(), 4.0, kRoundOff);
+        // A line that passes straight through the slice is a dot.
+        scene.lines[1].points = { Vec3(5.0, 6.0, -20.0), Vec3(5.0, 6.0, 20.0) };
+        const std::vector<Vec3> dot = slice_with_lines(scene, Vec3::Zero()).lines[1].points;
+        EXPECT_EQ(dot[0], Vec3(3.5, 6.0, 0.0));
+        EXPECT_EQ(dot[1], Vec3(6.5, 6.0, 0.0));
         scene.lines[0].name = "another line";
         EXPECT_EQ(slice_with_lines(scene, Vec3::Zero()).title, "axial") << "no incision";
         const Scene far = slice_with_lines(scene, Vec3(0.0, 0.0, 60.0));

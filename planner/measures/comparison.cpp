@@ -133,7 +133,10 @@ namespace {
                 });
         for (const TurnedSight& turn : first.if_turned) {
             const double degrees = std::abs(turn.left_side_up_deg);
-            add(degrees > 0.0 ? formatted("the incision's side up by %.0f degrees", degrees) : "the patient supine",
+            constexpr double kOnOneSideDeg = 90.0;
+            add(degrees >= kOnOneSideDeg ? "the patient on the other side"
+                    : degrees > 0.0      ? formatted("the incision's side up by %.0f degrees", degrees)
+                                         : "the patient supine",
                 [&](const FieldMetrics& field) -> std::optional<double> {
                     for (const TurnedSight& same : field.if_turned)
                         if (std::abs(same.left_side_up_deg) == degrees)

@@ -405,7 +405,7 @@ struct FieldMetrics {
     /// inspiration. Smallest shift first.
     std::vector<ShiftedSight> if_organs_shift;
     std::vector<LungSight> if_lung_keeps {}; ///< empty where no lung is held aside
-    /// Supine, turned with the side of the incision up, and, where it lies beside the midline, on the other side.
+    /// See positions_for(); supine first.
     std::vector<TurnedSight> if_turned {};
     /// Labels among target, what hides it and what is at risk that were estimated, not seen in the image.
     std::vector<std::string> estimated;

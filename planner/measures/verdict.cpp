@@ -9,7 +9,7 @@
 #include "planner/measures/region_text.h"
 #include "planner/measures/risk_distances.h"
 #include "planner/measures/rupture.h"
-#include "planner/measures/sight/position_text.h"
+#include "planner/measures/sight/table_position.h"
 #include "planner/measures/volume_failures.h"
 
 #include <algorithm>

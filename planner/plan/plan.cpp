@@ -19,6 +19,7 @@
 #include "planner/measures/metrics.h"
 #include "planner/measures/region_text.h"
 #include "planner/measures/risk_distances.h"
+#include "planner/measures/sight/table_position.h"
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/verdict.h"
 #include "planner/measures/volume_failures.h"
@@ -586,27 +587,16 @@ namespace {
         return sights;
     }
 
-    /// What the best eye would see with the patient supine, turned, and on one side. The CT is supine, and the heart
-    /// sinks with the change of gravity: from supine to prone, twice its size, by 19 mm in the mean [Chino and Marks
-    /// 2008, Int J Radiat Oncol Biol Phys 70:916, 16 patients].
+    /// What the best eye would see in each position on the table.
     std::vector<TurnedSight> sight_if_turned(const PlannedField& field, Patient& patient, const Job& job)
     {
-        constexpr double kSinkMm = 19.0 / 2.0, kDegree = std::numbers::pi / 180.0;
-        constexpr double kBesideMidline = 0.3; // of an outward normal: an incision on the front is not done from a side
-        const AnatomicalFrame frame = patient.frame();
-        const double to_left = field.geometry.normal.dot(frame.left), side = to_left < 0.0 ? -1.0 : 1.0;
-        std::vector<double> turns_deg { 0.0, 15.0, 30.0 };
-        if (std::abs(to_left) > kBesideMidline)
-            turns_deg.push_back(90.0);
         std::vector<TurnedSight> sights;
-        for (const double turn : turns_deg) {
+        for (const TablePosition& position : positions_for(field.geometry.normal, patient.frame())) {
             if (job.cancelled())
                 return {};
-            const double angle = side * turn * kDegree;
-            const Vec3 up = std::cos(angle) * frame.anterior + std::sin(angle) * frame.left;
-            sights.push_back({ .left_side_up_deg = turn > 0.0 ? side * turn : 0.0,
+            sights.push_back({ .left_side_up_deg = position.left_side_up_deg,
                 .seen_best_eye = seen_from_best_eye(field, field.opening.displacement, patient,
-                    as_stage(job, "expose, turned"), { .by = kSinkMm * (frame.anterior - up) }, up) });
+                    as_stage(job, "expose, turned"), { .by = position.sink }, position.up) });
         }
         return sights;
     }

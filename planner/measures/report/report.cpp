@@ -16,7 +16,7 @@
 #include "planner/measures/report/html_text.h"
 #include "planner/measures/report/ranking_section.h"
 #include "planner/measures/rupture.h"
-#include "planner/measures/sight/position_text.h"
+#include "planner/measures/sight/table_position.h"
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/verdict.h"
 #include "planner/measures/volume_failures.h"

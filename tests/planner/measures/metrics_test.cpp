@@ -1,6 +1,6 @@
 #include "planner/measures/metrics.h"
 
-#include "planner/measures/sight/position_text.h"
+#include "planner/measures/sight/table_position.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -68,12 +68,14 @@ namespace metrics_test {
         EXPECT_EQ(turned_sight_text(field), "");
         field.if_turned = { { 0.0, 0.05 }, { -30.0, 0.12 }, { 90.0, 0.2 } };
         EXPECT_EQ(turned_sight_text(field),
-            "an eye above the table sees supine 5.0 %, with the right side up by 30 degrees 12.0 %, lying on the "
-            "right side 20.0 %");
+            "from above the table the best eye sees 5.0 % supine, 12.0 % with the right side up by 30 degrees, 20.0 % "
+            "lying on the right side");
         const auto turned = document_of(field).at("if_turned");
         EXPECT_EQ(turned.at(1).at("left_side_up_deg"), -30.0);
         EXPECT_EQ(turned.at(1).at("seen_best_eye"), 0.12);
-        EXPECT_EQ(position_words(-90.0), "lying on the left side");
+        field.at_risk = { { .name = "mammary_artery_left", .distance_mm = 3.0, .is_assumed = true } };
+        EXPECT_TRUE(document_of(field).at("at_risk").at(0).at("is_assumed").get<bool>());
+        EXPECT_EQ(risk_text(field.at_risk[0]), "left mammary artery (assumed place) 3.0 mm");
     }
 
 } // namespace metrics_test

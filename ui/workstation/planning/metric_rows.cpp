@@ -15,7 +15,7 @@
 #include "planner/measures/region_text.h"
 #include "planner/measures/risk_distances.h"
 #include "planner/measures/rupture.h"
-#include "planner/measures/sight/position_text.h"
+#include "planner/measures/sight/table_position.h"
 #include "planner/measures/sight/surgeon_eye.h"
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"

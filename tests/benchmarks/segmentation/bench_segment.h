@@ -12,8 +12,8 @@ struct SegmentBenchOptions {
     std::string out; ///< folder for bench_segment.json; empty: none
 };
 
-/// Segments thorax phantoms without labels and measures the overlap of each rib, the sternum, the spine, lungs, heart
-/// and aorta with the true label: Dice's coefficient, 2 |A and B| / (|A| + |B|), on the phantom's grid [Dice 1945,
+/// Segments thorax phantoms without labels and measures the overlap of each rib, sternum, cartilages, spine, lungs,
+/// heart, aorta and diaphragm with the true label: Dice's coefficient, 2 |A and B| / (|A| + |B|), on the phantom's grid [Dice 1945,
 /// Ecology 26:297].
 ui::cli::Outcome bench_segment(const SegmentBenchOptions& options, const Job& job);
 

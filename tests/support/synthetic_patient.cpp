@@ -327,6 +327,11 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
             throw InputError("the depth is negative", "/approaches/2/depth_mm");
         return { .status = ui::PlanOutcome::Status::planned, .message = {}, .field = opened_field(approach) };
     };
+    backend.draft = [plan = backend.plan](const planner::Approach& approach, const Job& job) {
+        ui::PlanOutcome outcome = plan(approach, job);
+        outcome.field.metrics.solution.draft = true;
+        return outcome;
+    };
     backend.saved_plan = [control](const planner::Approach& approach) -> std::optional<ui::FieldPictures> {
         if (!control->saved_plans.contains(approach.name))
             return std::nullopt;

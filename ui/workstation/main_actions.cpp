@@ -239,7 +239,11 @@ void MainWindow::make_approach_actions(QMenu& menu)
     add_action(menu, "Answers over cases…", {}, "Sum up the answers to the six questions over several cases",
         [this] { ask_for_answered_cases(); });
     menu.addSeparator();
-    plan_ = add_action(menu, "Plan", Qt::Key_P, "Cut, open and measure this approach", [this] { plan_selected(); });
+    plan_
+        = add_action(menu, "Plan", Qt::Key_P, "Cut, open and measure this approach", [this] { plan_selected(false); });
+    draft_ = add_action(menu, "Plan a draft", QKeySequence("Ctrl+P"),
+        "Cut, open and measure this approach quickly, on a coarse model and without errors; a draft is not saved",
+        [this] { plan_selected(true); });
     plan_all_ = add_action(
         menu, "Plan all", QKeySequence("Shift+P"), "Cut, open and measure all approaches", [this] { plan_all(); });
     cancel_ = add_action(menu, "Cancel", Qt::Key_Escape,

@@ -191,9 +191,10 @@ std::vector<planner::PresentationStep> MainWindow::steps_now() const
     std::vector<planner::PresentedApproach> known;
     for (std::size_t index = 0; index < model_->approach_count(); ++index) {
         const ApproachState& state = model_->state(index);
-        known.push_back({ .field = state.field == nullptr ? nullptr : &state.field->metrics,
+        const FieldPictures* const field = state.as_draft ? nullptr : state.field.get();
+        known.push_back({ .field = field == nullptr ? nullptr : &field->metrics,
             .has_slices = state.closed != nullptr && !state.closed->incision_slices.empty(),
-            .divided_bones = state.field == nullptr ? std::vector<std::string>() : state.field->divided_bones });
+            .divided_bones = field == nullptr ? std::vector<std::string>() : field->divided_bones });
     }
     return planner::presentation_of(model_->planned_case(), known, model_->decisions());
 }

@@ -934,14 +934,14 @@ void MainWindow::set_view(ViewPreset view)
         reset_view(); // the same picture, but not through the endoscope, or from where the hand turned it
 }
 
-void MainWindow::plan_selected()
+void MainWindow::plan_selected(bool as_draft)
 {
     if (!model_ || !model_->selected())
         return;
     clear_error();
     tabs_->setCurrentWidget(panel_);
     model_->set_show_opened(true);
-    model_->request_plan(*model_->selected());
+    model_->request_plan(*model_->selected(), as_draft);
     hand_out_work();
     show_all();
     say_labels_not_saved();
@@ -1075,11 +1075,12 @@ void MainWindow::make_plan(std::size_t index)
 {
     ++plans_running_;
     planning_executor_.post(
-        [this, generation = generation_, backend = backend_, approach = model_->approach(index)](const Job& job) {
+        [this, generation = generation_, plan = model_->state(index).as_draft ? backend_.draft : backend_.plan,
+            approach = model_->approach(index)](const Job& job) {
             std::function<void()> deliver;
             try {
                 job.report("begin", 0.0);
-                auto outcome = std::make_shared<PlanOutcome>(backend.plan(approach, job));
+                auto outcome = std::make_shared<PlanOutcome>(plan(approach, job));
                 deliver = [this, outcome, name = approach.name] {
                     switch (outcome->status) {
                     case PlanOutcome::Status::planned:
@@ -1175,15 +1176,16 @@ void MainWindow::show_actions()
     reset_view_->setEnabled(model_ && shown_.pictures != nullptr);
     opened_->setEnabled(any && state->field != nullptr && !editor_->drawing() && !compares);
     opened_->setChecked(opened_->isEnabled() && model_->show_opened());
-    plan_->setEnabled(any && (state->status == FieldStatus::closed || state->status == FieldStatus::failed));
+    plan_->setEnabled(any && model_->can_plan(*model_->selected()));
+    draft_->setEnabled(any && backend_.draft && model_->can_plan(*model_->selected(), true));
     plan_all_->setEnabled(any);
     save_->setEnabled(model_ != nullptr);
     movie_->setEnabled(any && backend_.write_movie && exports_running_ == 0);
     report_->setEnabled(model_ && !model_->planned().empty() && backend_.write_report && exports_running_ == 0);
     close_case_->setEnabled(model_ != nullptr);
     palpate_->setEnabled(model_ != nullptr && static_cast<bool>(on_palpable));
-    palpate_through_->setEnabled(
-        any && state->field != nullptr && backend_.palpate_through && static_cast<bool>(on_palpable_wound));
+    palpate_through_->setEnabled(any && state->field != nullptr && !state->as_draft && backend_.palpate_through
+        && static_cast<bool>(on_palpable_wound));
     new_approach_->setEnabled(model_ != nullptr);
     search_->setEnabled(model_ != nullptr && backend_.search != nullptr);
     weights_->setEnabled(model_ != nullptr);

@@ -79,7 +79,8 @@ public:
     void set_wall_look(WallLook look);
     /// Shows planned approaches opened, or as before the cut. @pre a case is open
     void set_opened(bool opened);
-    void plan_selected();
+    /// @param as_draft quickly, see PlanningBackend::draft
+    void plan_selected(bool as_draft = false);
     void plan_all();
     /// Takes back an open stroke, or else stops planning.
     void cancel();
@@ -368,8 +369,8 @@ private:
             *linked_ = nullptr, *reset_view_ = nullptr;
     QActionGroup *label_looks_ = nullptr, *presenter_keys_ = nullptr, *maps_ = nullptr, *wall_looks_ = nullptr,
                  *cut_sides_ = nullptr;
-    QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
-            *palpate_ = nullptr, *palpate_through_ = nullptr, *movie_ = nullptr, *report_ = nullptr,
+    QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *draft_ = nullptr, *cancel_ = nullptr,
+            *save_ = nullptr, *palpate_ = nullptr, *palpate_through_ = nullptr, *movie_ = nullptr, *report_ = nullptr,
             *keep_view_ = nullptr, *forget_view_ = nullptr;
     QLabel* message_ = nullptr;
     QProgressBar* progress_ = nullptr;

@@ -29,6 +29,7 @@
 #include <QAbstractButton>
 #include <QAction>
 #include <QApplication>
+#include <QLabel>
 #include <QMessageBox>
 #include <QMouseEvent>
 #include <QProgressBar>
@@ -94,6 +95,33 @@ namespace main_window_test {
         EXPECT_TRUE(window_.idle());
         EXPECT_EQ(window_.error_line(), "");
         EXPECT_TRUE(window_.start_page_shown());
+    }
+
+    TEST_F(MainWindowTest, ADraftSaysSoAndThePlanTakesItsPlace)
+    {
+        open_synthetic();
+        const auto detail = [&] { return window_.approach_list().item(0)->toolTip().toStdString(); };
+        press(Qt::Key_P, Qt::ControlModifier);
+        test_support::wait_until_idle(window_);
+        EXPECT_NE(detail().find("Draft: "), std::string::npos) << detail();
+        const auto says_draft = [&] {
+            const auto labels = window_.findChildren<QLabel*>();
+            return std::ranges::any_of(
+                labels, [](const QLabel* label) { return label->text().startsWith("This is a draft"); });
+        };
+        EXPECT_TRUE(says_draft()) << "over the verdict";
+        EXPECT_EQ(control_->plans_made, 1);
+        press(Qt::Key_P, Qt::ControlModifier);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(control_->plans_made, 1) << "there is a draft";
+        press(Qt::Key_P);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(control_->plans_made, 2);
+        EXPECT_EQ(detail().find("Draft: "), std::string::npos) << detail();
+        EXPECT_FALSE(says_draft());
+        press(Qt::Key_P, Qt::ControlModifier);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(control_->plans_made, 2) << "a plan says more than a draft";
     }
 
     TEST_F(MainWindowTest, ThePlannedTargetIsPalpatedThroughItsWound)

@@ -480,6 +480,22 @@
         <translation>すべて計画</translation>
     </message>
     <message>
+        <source>Plan a draft</source>
+        <translation>ドラフトを計画</translation>
+    </message>
+    <message>
+        <source>Cut, open and measure this approach quickly, on a coarse model and without errors; a draft is not saved</source>
+        <translation>このアプローチを粗いモデルで手早く切開・展開・計測します（誤差なし）；ドラフトは保存されません</translation>
+    </message>
+    <message>
+        <source>Draft: %1</source>
+        <translation>ドラフト：%1</translation>
+    </message>
+    <message>
+        <source>This is a draft: its force, and with it what breaks, may be half of the plan's or more than twice. It is not saved. P makes the plan.</source>
+        <translation>これはドラフトです：力と、それによる骨折の予測は、計画の半分から 2 倍以上まで違うことがあります。保存されません。P で計画します。</translation>
+    </message>
+    <message>
         <source>Cut, open and measure all approaches</source>
         <translation>すべてのアプローチで切り、開き、測る</translation>
     </message>
@@ -2008,8 +2024,8 @@
         <translation>右第 %1 肋間神経血管束</translation>
     </message>
     <message>
-        <source>mammary arteries, and vessels and nerves under the ribs, are not seen in the image: they are assumed where they usually are (retractor vessels lists them)</source>
-        <translation>内胸動脈と、肋骨の下の血管・神経は画像に見えません：通常の位置にあるものと想定します（retractor vessels で一覧できます）</translation>
+        <source>mammary arteries, and vessels and nerves under the ribs, are not seen in the image: they are assumed where they usually are</source>
+        <translation>内胸動脈と、肋骨の下の血管・神経は画像に見えません：通常の位置にあるものと想定します</translation>
     </message>
     <message>
         <source>New approach</source>
@@ -2342,6 +2358,14 @@
     <message>
         <source>the patient supine</source>
         <translation>仰臥位の場合</translation>
+    </message>
+    <message>
+        <source>the patient on the other side</source>
+        <translation>切開と反対の側臥位の場合</translation>
+    </message>
+    <message>
+        <source>Position on the table: from above the table the best eye sees %1.</source>
+        <translation>手術台上の体位：手術台の上からの最良の目には %1 が見えます。</translation>
     </message>
     <message>
         <source>the incision's side up by %1 degrees</source>
@@ -3330,6 +3354,14 @@
     <message>
         <source>force at the last turn, from twice the smallest force at which tissue ruptured (122.5 N) to 0</source>
         <translation>最後の一回しの力。組織が断裂した最小の力 (122.5 N) の二倍から 0 まで</translation>
+    </message>
+    <message>
+        <source>The %1 may be cut.</source>
+        <translation>%1が切れるおそれがあります。</translation>
+    </message>
+    <message>
+        <source>The blade may cut the %1.</source>
+        <translation>刃が%1を切るおそれがあります。</translation>
     </message>
     <message>
         <source>The %1 is cut.</source>

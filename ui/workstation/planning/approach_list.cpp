@@ -114,7 +114,7 @@ namespace {
         case FieldStatus::cancelling:
             return QStringLiteral("being cancelled");
         case FieldStatus::planned:
-            return QString::fromStdString(field_summary(state.field->metrics));
+            return QString::fromStdString((state.as_draft ? "Draft: " : "") + field_summary(state.field->metrics));
         case FieldStatus::failed:
             return QStringLiteral("failed: ") + QString::fromStdString(state.failure->what);
         }

@@ -69,6 +69,11 @@ namespace {
     {
         const planner::Verdict verdict = planner::verdict_of(field.metrics);
         const LightLook look = light_look(verdict.light);
+        if (field.metrics.solution.draft)
+            column.addWidget(
+                label("This is a draft: its force, and with it what breaks, may be half of the plan's or more "
+                      "than twice. It is not saved. P makes the plan.",
+                    kWarning));
         column.addWidget(label(std::string("\u25cf  ") + look.word, QString("color: %1;").arg(look.color), 12.0, true));
         std::string sentences;
         for (const std::string& sentence : verdict.sentences)

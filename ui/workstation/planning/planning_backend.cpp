@@ -12,6 +12,7 @@
 #include "planner/approach/find_division.h"
 #include "planner/approach/retractors.h"
 #include "planner/case/case.h"
+#include "planner/case/draft_case.h"
 #include "planner/case/patient.h"
 #include "planner/measures/comparison.h"
 #include "planner/measures/sight/instruments.h"
@@ -84,6 +85,23 @@ namespace {
             fields.push_back(std::move(saved->field));
         }
         return fields;
+    }
+
+    /// How the plan ended, without its numbers and pictures.
+    PlanOutcome outcome_of(const planner::PlannedField& field)
+    {
+        switch (field.status) {
+        case planner::PlanStatus::done:
+        case planner::PlanStatus::not_converged:
+        case planner::PlanStatus::inverted:
+            return { .status = PlanOutcome::Status::planned, .message = {}, .field = {} };
+        case planner::PlanStatus::cancelled:
+            return { .status = PlanOutcome::Status::cancelled, .message = {}, .field = {} };
+        case planner::PlanStatus::nothing_to_mesh:
+        case planner::PlanStatus::cut_missed:
+            break;
+        }
+        return { .status = PlanOutcome::Status::refused, .message = field.message, .field = {} };
     }
 
     PlanOutcome saved_outcome(
@@ -373,19 +391,27 @@ PlanningBackend make_planning_backend(
         if (const auto& accuracy = patient->planned_case().solution.accuracy)
             checks.opening_time_s = std::max(checks.opening_time_s, accuracy->time_s);
         const planner::PlannedField field = planner::plan_in_region(*patient, approach, job, checks);
-        switch (field.status) {
-        case planner::PlanStatus::done:
-        case planner::PlanStatus::not_converged:
-        case planner::PlanStatus::inverted:
-            job.report("pictures", 0.0);
-            return saved_outcome(*patient, approach, field);
-        case planner::PlanStatus::cancelled:
-            return { .status = PlanOutcome::Status::cancelled, .message = {}, .field = {} };
-        case planner::PlanStatus::nothing_to_mesh:
-        case planner::PlanStatus::cut_missed:
-            break;
-        }
-        return { .status = PlanOutcome::Status::refused, .message = field.message, .field = {} };
+        PlanOutcome outcome = outcome_of(field);
+        if (outcome.status != PlanOutcome::Status::planned)
+            return outcome;
+        job.report("pictures", 0.0);
+        return saved_outcome(*patient, approach, field);
+    };
+    backend.draft = [patient](const planner::Approach& approach, const Job& job) -> PlanOutcome {
+        planner::Case quick = case_with(*patient, approach);
+        planner::make_draft(quick);
+        const planner::PlanChecks checks { .error_bars = false, .draft = true };
+        planner::check_plan(quick, checks);
+        planner::Patient drafted(quick, job);
+        const planner::PlannedField field = planner::plan_approach(drafted, quick.approaches.front(), job, checks);
+        PlanOutcome outcome = outcome_of(field);
+        if (outcome.status != PlanOutcome::Status::planned)
+            return outcome;
+        job.report("pictures", 0.0);
+        outcome.field = pictures_of(drafted, field);
+        for (Scene* scene : { &outcome.field.surgeon, &outcome.field.overview })
+            scene->title += " (draft)";
+        return outcome;
     };
     backend.saved_plan = [patient](const planner::Approach& approach) -> std::optional<FieldPictures> {
         const std::optional<planner::SavedPlan> saved

@@ -54,6 +54,9 @@ struct PlanningBackend {
     std::function<std::vector<SurfaceItem>(const Job&)> anatomy;
     /// The plan is saved beside the case. Where that fails, its warning says so.
     std::function<PlanOutcome(const planner::Approach&, const Job&)> plan;
+    /// A draft: a coarse model without contact and errors (planner/case/draft_case.h), which is not saved. Not set:
+    /// there are no drafts.
+    std::function<PlanOutcome(const planner::Approach&, const Job&)> draft {};
     /// The plan of an earlier session; nothing: there is none of the approach as it is now. The function throws when
     /// the file is damaged. Not set: nothing is saved.
     std::function<std::optional<FieldPictures>(const planner::Approach&)> saved_plan {};

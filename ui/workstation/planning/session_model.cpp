@@ -240,7 +240,7 @@ std::vector<std::size_t> SessionModel::planned() const
 {
     std::vector<std::size_t> indices;
     for (std::size_t i = 0; i < ids_.size(); ++i)
-        if (state(i).field != nullptr)
+        if (state(i).field != nullptr && !state(i).as_draft)
             indices.push_back(i);
     return indices;
 }
@@ -268,7 +268,8 @@ std::optional<std::vector<std::string>> SessionModel::compared_with(std::size_t 
     for (const std::size_t one : indices)
         names.push_back(approach(one).name);
     for (std::size_t one = 0; one < approach_count(); ++one) // comes back with its plan
-        if (state(one).field == nullptr && std::ranges::count(decisions_.compared, approach(one).name) > 0)
+        if ((state(one).field == nullptr || state(one).as_draft)
+            && std::ranges::count(decisions_.compared, approach(one).name) > 0)
             names.push_back(approach(one).name);
     return names;
 }
@@ -287,12 +288,21 @@ bool SessionModel::view_available(ViewPreset view) const
     return closed != nullptr ? !closed->slices.empty() : case_.ct.has_value();
 }
 
-void SessionModel::request_plan(std::size_t index)
+bool SessionModel::can_plan(std::size_t index, bool as_draft) const
 {
-    ApproachState& state = state_of(index);
-    if (state.status != FieldStatus::closed && state.status != FieldStatus::failed)
+    const ApproachState& now = state(index);
+    return now.status == FieldStatus::closed || now.status == FieldStatus::failed
+        || (now.status == FieldStatus::planned && now.as_draft && !as_draft);
+}
+
+void SessionModel::request_plan(std::size_t index, bool as_draft)
+{
+    if (!can_plan(index, as_draft))
         return;
+    ApproachState& state = state_of(index);
     state.status = FieldStatus::waiting;
+    state.as_draft = as_draft;
+    state.field.reset();
     state.failure.reset();
     waiting_.push_back(ids_[index]);
 }
@@ -405,6 +415,7 @@ void SessionModel::saved_done(std::optional<FieldPictures> field)
     if (!field || (state.status != FieldStatus::closed && state.status != FieldStatus::waiting))
         return;
     std::erase(waiting_, id);
+    state.as_draft = false;
     state.field = std::make_shared<const FieldPictures>(std::move(*field));
     state.status = FieldStatus::planned;
 }

@@ -96,6 +96,7 @@ struct ApproachState {
     std::optional<Failure> failure; ///< failure of the plan, or of the closed picture
     bool closed_tried = false; ///< the closed picture was started
     bool saved_tried = false; ///< a plan of an earlier session was looked for
+    bool as_draft = false; ///< what is asked for, being planned or planned is a draft
 };
 
 /// Identifies the shown picture without its scenes. Two equal values mean that the picture is still valid.
@@ -172,7 +173,7 @@ public:
     /// comparison two planned approaches.
     bool view_available(ViewPreset view) const;
 
-    /// The planned approaches, by index.
+    /// The planned approaches, by index. Drafts are not among them: they are compared with nothing, and go into no file.
     std::vector<std::size_t> planned() const;
     /// Those of them that stand side by side; see planner::compared_approaches().
     std::vector<std::size_t> compared() const;
@@ -198,8 +199,11 @@ public:
     /// Whether the shown approach has such numbers.
     bool map_available(FieldMapKind map) const;
 
-    /// Does nothing when the approach is planned or waiting.
-    void request_plan(std::size_t index);
+    /// Whether request_plan() would do something: not where the approach waits, is being planned or is planned; but a
+    /// plan takes the place of a draft.
+    bool can_plan(std::size_t index, bool as_draft = false) const;
+    /// Does nothing where can_plan() says no.
+    void request_plan(std::size_t index, bool as_draft = false);
     /// What the team decided on this case.
     void set_decisions(planner::Decisions decisions) { decisions_ = std::move(decisions); }
     const planner::Decisions& decisions() const { return decisions_; }
@@ -221,7 +225,8 @@ public:
     /// Whether the running plan is no longer wanted.
     bool planning_unwanted() const;
 
-    /// The approach to plan now; nothing when a plan is running or nothing was requested.
+    /// The approach to plan now, as ApproachState::as_draft says; nothing when a plan is running or nothing was
+    /// requested.
     std::optional<std::size_t> begin_plan();
     /// The outcomes of begin_plan(). A result after cancel() is kept, because it is correct.
     void plan_done(FieldPictures field);

@@ -242,6 +242,28 @@ namespace session_model_test {
         EXPECT_EQ(model.state(0).field, kept);
     }
 
+    TEST(SessionModel, APlanTakesThePlaceOfADraftAndNoDraftThatOfAPlan)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(0, true);
+        EXPECT_FALSE(model.can_plan(0)) << "it waits";
+        model.begin_plan();
+        EXPECT_TRUE(model.state(0).as_draft);
+        model.plan_done(field_of("median"));
+        EXPECT_FALSE(model.can_plan(0, true)) << "there is a draft";
+        EXPECT_TRUE(model.planned().empty()) << "it is compared with nothing";
+        model.request_plan(0, true);
+        EXPECT_NE(model.state(0).field, nullptr);
+        EXPECT_TRUE(model.can_plan(0));
+        model.request_plan(0);
+        EXPECT_EQ(model.state(0).field, nullptr) << "the draft's numbers are gone";
+        EXPECT_EQ(model.begin_plan(), 0U);
+        EXPECT_FALSE(model.state(0).as_draft);
+        model.plan_done(field_of("median"));
+        EXPECT_FALSE(model.can_plan(0, true));
+        EXPECT_FALSE(model.can_plan(0));
+    }
+
     TEST(SessionModel, CancelWithdrawsWaitingOnesAndStopsTheRunningOne)
     {
         SessionModel model(three_approaches());

@@ -19,6 +19,12 @@ target_compile_options(retractor_options INTERFACE "$<BUILD_INTERFACE:${retracto
 # 100 MB more.
 target_compile_options(retractor_options INTERFACE
   "$<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1048576>>")
+# GNU's gold, a part of Debian's binutils, links `retractor` in a fifth of the time of GNU's ld.
+find_program(RETRACTOR_GOLD ld.gold)
+mark_as_advanced(RETRACTOR_GOLD)
+if(RETRACTOR_GOLD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_link_options(retractor_options INTERFACE "$<BUILD_INTERFACE:-fuse-ld=gold>")
+endif()
 target_include_directories(retractor_options INTERFACE "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>")
 target_link_libraries(retractor_options INTERFACE Eigen3::Eigen Threads::Threads)
 if(RETRACTOR_ASSERTIONS)

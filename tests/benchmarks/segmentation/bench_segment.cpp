@@ -73,8 +73,8 @@ namespace {
         std::map<std::string, double> dice {};
     };
 
-    constexpr std::array<const char*, 8> kStructures { "sternum", "costal_cartilages", "spine", "lung_left",
-        "lung_right", "heart", "aorta", "diaphragm" };
+    constexpr std::array<const char*, 7> kStructures { "sternum", "costal_cartilages", "spine", "lung_left",
+        "lung_right", "heart", "aorta" };
 
     Row measured(const Shape& shape, double noise_hu, const Resolution& resolution,
         const datasets::AutosegmentOptions& options, const Job& job)

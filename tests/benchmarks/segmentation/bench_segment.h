@@ -13,8 +13,8 @@ struct SegmentBenchOptions {
 };
 
 /// Segments thorax phantoms without labels and measures the overlap of each rib, sternum, cartilages, spine, lungs,
-/// heart, aorta and diaphragm with the true label: Dice's coefficient, 2 |A and B| / (|A| + |B|), on the phantom's grid [Dice 1945,
-/// Ecology 26:297].
+/// heart and aorta with the true label: Dice's coefficient, 2 |A and B| / (|A| + |B|), on the phantom's grid [Dice
+/// 1945, Ecology 26:297]. The segmentation makes no label of the diaphragm.
 ui::cli::Outcome bench_segment(const SegmentBenchOptions& options, const Job& job);
 
 } // namespace retractor::benchmarks

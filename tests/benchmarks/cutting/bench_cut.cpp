@@ -43,13 +43,6 @@ namespace {
         return static_cast<std::size_t>(std::find(values.begin(), values.end(), value) - values.begin());
     }
 
-    template <class Work> double milliseconds(Work&& work)
-    {
-        const Stopwatch watch;
-        work();
-        return 1e3 * watch.seconds();
-    }
-
     void must_be_done(const mesh::CutResult& result)
     {
         if (result.status != mesh::CutStatus::done)

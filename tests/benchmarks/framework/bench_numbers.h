@@ -1,5 +1,7 @@
 #pragma once
-// Statistics of measured numbers.
+// Statistics of measured numbers, and a measured time.
+
+#include "mesh/base/job.h"
 
 #include <Eigen/Core>
 
@@ -15,5 +17,13 @@ double median(std::vector<double> values);
 /// ids that only this field has, its additional values must be zero.
 /// @throws SolverError when an additional value is not zero.
 double relative_difference(const Eigen::VectorXd& field, const Eigen::VectorXd& reference);
+
+/// Run time of some work, ms.
+template <class Work> double milliseconds(Work&& work)
+{
+    const Stopwatch watch;
+    work();
+    return 1e3 * watch.seconds();
+}
 
 } // namespace retractor::benchmarks

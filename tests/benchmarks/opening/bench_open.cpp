@@ -44,13 +44,6 @@ namespace {
         ::mallopt(M_TRIM_THRESHOLD, kLarge);
     }
 
-    template <class Work> double milliseconds(Work&& work)
-    {
-        const Stopwatch watch;
-        work();
-        return 1e3 * watch.seconds();
-    }
-
     mesh::MeshDelta done(mesh::CutResult result)
     {
         if (result.status != mesh::CutStatus::done)

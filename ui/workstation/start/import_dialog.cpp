@@ -155,6 +155,10 @@ QWidget* ImportDialog::make_study_row()
     row->addWidget(folder);
     row->addWidget(file);
     connect(path_, &QLineEdit::returnPressed, this, [this] { set_study(path_->text().toStdString()); });
+    connect(path_, &QLineEdit::editingFinished, this, [this] { // left by Tab or a click, or after Return
+        if (const QString path = path_->text(); !path.isEmpty() && path != path_looked_at_)
+            set_study(path.toStdString());
+    });
     connect(folder, &QPushButton::clicked, this, [this] { ask_for_folder(); });
     connect(file, &QPushButton::clicked, this, [this] { ask_for_file(); });
     for (QPushButton* button : { folder, file })
@@ -311,6 +315,7 @@ void ImportDialog::work(const QString& what, std::function<std::function<void()>
 void ImportDialog::set_study(const fs::path& path)
 {
     path_->setText(native(path));
+    path_looked_at_ = path_->text();
     study_ = {};
     show_study();
     work("Looking through the study", [this, path](const Job& job) -> std::function<void()> {

@@ -68,6 +68,7 @@ private:
 
     Study study_;
     std::filesystem::path case_file_;
+    QString path_looked_at_; ///< the path of the last study that was asked for
     QString work_text_;
     QElapsedTimer step_time_;
     QString step_; ///< for which step_time_ runs

@@ -72,6 +72,20 @@ namespace import_dialog_test {
         EXPECT_EQ(opened_, study_ / "case" / "case.json");
     }
 
+    TEST_F(ImportDialogTest, APathIsReadWhenItsFieldIsLeftAndOnlyOnce)
+    {
+        auto* path = dialog_.findChild<QLineEdit*>("study");
+        path->setFocus();
+        QTest::keyClicks(path, QString::fromStdString((study_ / "disc").string()));
+        QTest::keyClick(path, Qt::Key_Tab);
+        EXPECT_FALSE(dialog_.idle());
+        wait();
+        EXPECT_EQ(images().count(), 1) << dialog_.failure().toStdString();
+        path->setFocus();
+        QTest::keyClick(path, Qt::Key_Tab);
+        EXPECT_TRUE(dialog_.idle()) << "the same path is not read again";
+    }
+
     TEST_F(ImportDialogTest, RefusalsSayWhyAndLeaveTheDialogUsable)
     {
         dialog_.set_study(study_ / "nowhere");

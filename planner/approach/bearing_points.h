@@ -13,7 +13,7 @@
 namespace retractor::planner {
 
 /// Bone farther behind the patch than this (mm) does not bear: the layer between is soft tissue that the hook deforms.
-inline constexpr double kBearingMm = 8.0;
+inline constexpr double kBearingMm = 12.0;
 
 /// The places on the surface of bones on which the patch bears: one for each 10 mm of the patch's middle half, without
 /// places that a rigid patch does not reach. A patch that lies on bone with its own surface has none, because the lip

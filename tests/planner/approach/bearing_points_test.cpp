@@ -92,8 +92,8 @@ namespace bearing_points_test {
 
     TEST(BearingPoints, BoneTooFarBehindThePatchDoesNotBear)
     {
-        EXPECT_EQ(places(block(0.5, [](const Vec3& p) { return p.x() > 7.5; }), with_hook()).size(), 1U);
-        EXPECT_TRUE(places(block(0.5, [](const Vec3& p) { return p.x() > 8.5; }), with_hook()).empty());
+        EXPECT_EQ(places(block(0.5, [](const Vec3& p) { return p.x() > kBearingMm - 0.5; }), with_hook()).size(), 1U);
+        EXPECT_TRUE(places(block(0.5, [](const Vec3& p) { return p.x() > kBearingMm + 0.5; }), with_hook()).empty());
     }
 
     TEST(BearingPoints, BoneBesideThePatchDoesNotBear)

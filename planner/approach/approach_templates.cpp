@@ -28,7 +28,6 @@ namespace {
     constexpr double kPointSpacingMm = 6.0; ///< between incision points
     constexpr double kDepthMarginMm = 5.0; ///< distance of the blade's end beyond the thickest wall
     constexpr double kBeyondSternumMm = 10.0; ///< distance at both ends, so that the saw leaves the bone
-    constexpr double kNodeDeg = 1.5; ///< sampling of an intercostal space
     constexpr double kLeastClearanceMm = 1.0; ///< between the blade and bone
     /// Multiple of the median thickness; a thicker wall is no chest wall (shoulder, belly).
     constexpr double kThickWall = 2.0;
@@ -311,9 +310,9 @@ namespace {
     /// A place in an intercostal space.
     struct SpaceNode {
         double angle_deg = 0.0; ///< angle round the chest, see RibLine
-        Vec3 middle; ///< half way between the two ribs' centre-lines
-        Vec3 outward; ///< unit vector at right angles to the space and to the line between the ribs
-        Vec3 skin;
+        Vec3 cut = Vec3::Zero(); ///< above the lower rib, see SpacePlace
+        Vec3 outward = Vec3::Zero(); ///< unit vector at right angles to the space and to the line between the ribs
+        Vec3 skin = Vec3::Zero();
         double along = 0.0; ///< mm along the skin from the first node
         bool free = true; ///< no bone lies over the place (the shoulder blade)
     };
@@ -321,45 +320,18 @@ namespace {
     /// The whole space from back to front, over the length of both ribs.
     std::vector<SpaceNode> space_nodes(const BodyProbe& probe, const Anatomy& anatomy, bool left, int space)
     {
-        const RibLine& upper = find_rib(anatomy, left, space);
-        const RibLine& lower = find_rib(anatomy, left, space + 1);
-        const double from = std::max(upper.angle_deg.front(), lower.angle_deg.front());
-        const double to = std::min(upper.angle_deg.back(), lower.angle_deg.back());
-        if (!(to - from > 10.0))
-            throw InputError(
-                "the ribs beside the " + space_name(left, space) + " hardly overlap: check their labels", lower.name);
-        const int count = static_cast<int>(std::ceil((to - from) / kNodeDeg - 0.0123));
-        std::vector<SpaceNode> nodes(static_cast<std::size_t>(count) + 1);
-        std::vector<Vec3> middle, across;
-        for (std::size_t n = 0; n < nodes.size(); ++n) {
-            nodes[n].angle_deg = from + (to - from) * static_cast<double>(n) / count;
-            const Vec3 above = point_at_angle(upper, nodes[n].angle_deg),
-                       below = point_at_angle(lower, nodes[n].angle_deg);
-            middle.push_back(0.5 * (above + below));
-            across.push_back((above - below).normalized());
-        }
-        constexpr double kSmoothNodes = 4.0; // 6 degrees: the spacing of the points of the centre-lines
-        middle = smoothed(middle, kSmoothNodes);
-        across = smoothed(across, kSmoothNodes);
-        const std::vector<Vec3> along = tangents(middle);
-        std::vector<Vec3> outward;
-        const Vec3& axis = anatomy.frame.superior;
-        for (std::size_t n = 0; n < nodes.size(); ++n) {
-            const Vec3 from_axis = middle[n] - anatomy.frame.origin;
-            const Vec3 normal = along[n].cross(across[n]).normalized();
-            outward.push_back(normal.dot(from_axis - axis.dot(from_axis) * axis) > 0.0 ? normal : Vec3(-normal));
-        }
-        outward = smoothed(outward, kSmoothNodes);
-        for (std::size_t n = 0; n < nodes.size(); ++n) {
-            nodes[n].middle = middle[n];
-            nodes[n].outward = outward[n].normalized();
-            const auto skin = probe.first_skin_along(nodes[n].middle, nodes[n].outward);
+        std::vector<SpaceNode> nodes;
+        for (const SpacePlace& place : find_intercostal_space(probe, anatomy, left, space).places) {
+            const auto skin = probe.first_skin_along(place.cut, place.outward);
             if (!skin)
-                throw InputError(
-                    "no skin outside the " + space_name(left, space) + " near " + in_words(nodes[n].middle));
-            nodes[n].skin = nodes[n].middle + *skin * nodes[n].outward;
-            if (n > 0)
-                nodes[n].along = nodes[n - 1].along + (nodes[n].skin - nodes[n - 1].skin).norm();
+                throw InputError("no skin outside the " + space_name(left, space) + " near " + in_words(place.cut));
+            SpaceNode node { .angle_deg = place.angle_deg,
+                .cut = place.cut,
+                .outward = place.outward,
+                .skin = place.cut + *skin * place.outward };
+            if (!nodes.empty())
+                node.along = nodes.back().along + (node.skin - nodes.back().skin).norm();
+            nodes.push_back(node);
         }
         return nodes;
     }
@@ -389,21 +361,20 @@ namespace {
     {
         constexpr double kReachMm = 4.0, kBelowRibsMm = 8.0;
         const mesh::LabelFlags hard = hard_labels(labels.table);
-        const auto cover = [](const SpaceNode& node) { return (node.skin - node.middle).norm(); };
+        const auto cover = [](const SpaceNode& node) { return (node.skin - node.cut).norm(); };
         std::vector<double> covers;
         for (const SpaceNode& node : nodes)
             covers.push_back(cover(node));
         const double thickest = kThickWall * upper_median(covers);
         for (SpaceNode& node : nodes)
             node.free = cover(node) <= thickest
-                && clearance(labels, hard, node.skin, -node.outward, (node.skin - node.middle).norm() + kBelowRibsMm,
-                       kReachMm)
+                && clearance(
+                       labels, hard, node.skin, -node.outward, (node.skin - node.cut).norm() + kBelowRibsMm, kReachMm)
                     >= 1.25 * kLeastClearanceMm;
         // A jump of the skin means that the line would cross the fold to an arm.
         constexpr double kSteepest = 1.5;
         for (std::size_t n = 1; n < nodes.size(); ++n)
-            if (std::abs(cover(nodes[n]) - cover(nodes[n - 1]))
-                > kSteepest * (nodes[n].middle - nodes[n - 1].middle).norm())
+            if (std::abs(cover(nodes[n]) - cover(nodes[n - 1])) > kSteepest * (nodes[n].cut - nodes[n - 1].cut).norm())
                 nodes[n].free = nodes[n - 1].free = false;
     }
 
@@ -449,12 +420,12 @@ namespace {
             while (n + 2 < nodes.size() && nodes[n + 1].along < along)
                 ++n;
             const double t = std::clamp((along - nodes[n].along) / (nodes[n + 1].along - nodes[n].along), 0.0, 1.0);
-            const Vec3 middle = (1.0 - t) * nodes[n].middle + t * nodes[n + 1].middle;
+            const Vec3 cut = (1.0 - t) * nodes[n].cut + t * nodes[n + 1].cut;
             const Vec3 outward = ((1.0 - t) * nodes[n].outward + t * nodes[n + 1].outward).normalized();
-            const auto skin = probe.first_skin_along(middle, outward);
+            const auto skin = probe.first_skin_along(cut, outward);
             if (!skin)
-                throw InputError("no skin outside the ribs near " + in_words(middle));
-            approach.incision.push_back(middle + *skin * outward);
+                throw InputError("no skin outside the ribs near " + in_words(cut));
+            approach.incision.push_back(cut + *skin * outward);
             approach.directions.push_back(-outward);
             approach.hook_depth_mm.push_back(*skin);
         }
@@ -481,7 +452,7 @@ namespace {
     {
         std::pair<double, double> best { std::numeric_limits<double>::infinity(), 0.0 };
         for (const SpaceNode& node : nodes)
-            best = std::min(best, std::pair((node.middle - target).norm(), node.along));
+            best = std::min(best, std::pair((node.cut - target).norm(), node.along));
         return best;
     }
 
@@ -534,9 +505,9 @@ namespace {
         approach.template_name
             = approach.template_name.substr(0, approach.template_name.find(':')) + ":" + std::to_string(space);
         const std::string room = check_clearance(probe.labels(), approach, name);
-        approach.rationale = plan.words + " The line follows the middle of the " + name
-            + ", half way between the centre-lines of rib " + std::to_string(space) + " and rib "
-            + std::to_string(space + 1) + ", for " + in_words(incision_length(approach)) + " mm."
+        approach.rationale = plan.words + " The line follows the upper edge of rib " + std::to_string(space + 1)
+            + " in the " + name + ", away from the vessels under rib " + std::to_string(space) + ", for "
+            + in_words(incision_length(approach)) + " mm."
             + (plan.spaces.size() > 1 ? " Of the spaces offered this one lies nearest to the target." : "")
             + (faces ? " It is centred where the space comes nearest to the target (" + in_words(nearest) + " mm)" : "")
             + (faces

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -19,8 +20,8 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr double kPlaceDeg = 2.0; ///< distance of places round the chest
-    constexpr double kSmoothPlaces = 3.0; ///< 6 degrees: the spacing of the points of the ribs' centre-lines
+    constexpr double kPlaceDeg = 1.5; ///< distance of places round the chest
+    constexpr double kSmoothPlaces = 4.0; ///< 6 degrees: the spacing of the points of the ribs' centre-lines
     constexpr double kLeastOverlapDeg = 10.0;
     /// A narrower gap has no room for a blade between the ribs.
     constexpr double kLeastGapMm = 4.0;
@@ -43,25 +44,55 @@ namespace {
         Vec3 from = Vec3::Zero(), to = Vec3::Zero(); ///< surfaces of the upper and of the lower rib
     };
 
-    /// The longest stretch without bone and cartilage on the way from one rib to the other.
+    /// Share of bone and cartilage at a place, interpolated between the centres of eight voxels.
+    double hardness(const mesh::LabelVolume& labels, const mesh::LabelFlags& hard, const Vec3& place)
+    {
+        const mesh::ImageGrid& grid = labels.grid;
+        const Vec3 index = grid.index(place);
+        const Vec3 low(std::floor(index.x()), std::floor(index.y()), std::floor(index.z()));
+        double share = 0.0;
+        for (const int corner : { 0, 1, 2, 3, 4, 5, 6, 7 }) {
+            double weight = 1.0;
+            std::array<int, 3> at {};
+            for (int axis = 0; axis < 3; ++axis) {
+                const bool upper = ((corner >> axis) & 1) != 0;
+                const double beyond = index[axis] - low[axis];
+                weight *= upper ? beyond : 1.0 - beyond;
+                at[static_cast<std::size_t>(axis)]
+                    = std::clamp(static_cast<int>(low[axis]) + (upper ? 1 : 0), 0, grid.size[axis] - 1);
+            }
+            share += weight * (hard[labels.voxels[grid.offset(at[0], at[1], at[2])]] != 0 ? 1.0 : 0.0);
+        }
+        return share;
+    }
+
+    /// The longest stretch without bone and cartilage on the way from one rib to the other. A surface lies where bone
+    /// takes half of a voxel's room, so that it moves with the patient and not with the voxels.
     Gap gap_between(const mesh::LabelVolume& labels, const mesh::LabelFlags& hard, const Vec3& above, const Vec3& below)
     {
+        constexpr double kSurface = 0.5;
         const double step = 0.25 * labels.grid.spacing.minCoeff();
         const int count = std::max(2, static_cast<int>(std::ceil((below - above).norm() / step)));
-        int start = -1, best_start = 0, best_end = 0;
-        for (int n = 0; n <= count; ++n) {
-            const Vec3 p = above + (below - above) * n / count;
-            if (hard[mesh::label_at(labels, p)] != 0) {
-                start = -1;
-                continue;
-            }
-            if (start < 0)
-                start = n;
-            if (n - start > best_end - best_start) {
+        std::vector<double> share;
+        for (int n = 0; n <= count; ++n)
+            share.push_back(hardness(labels, hard, above + (below - above) * n / count));
+        double start = share.front() < kSurface ? 0.0 : -1.0, best_start = 0.0, best_end = 0.0;
+        const auto ends_at = [&](double end) {
+            if (start >= 0.0 && end - start > best_end - best_start) {
                 best_start = start;
-                best_end = n;
+                best_end = end;
             }
+        };
+        for (std::size_t n = 1; n < share.size(); ++n) {
+            const bool was_hard = share[n - 1] >= kSurface, is_hard = share[n] >= kSurface;
+            if (was_hard == is_hard)
+                continue;
+            const double surface = static_cast<double>(n - 1) + (kSurface - share[n - 1]) / (share[n] - share[n - 1]);
+            if (is_hard)
+                ends_at(surface);
+            start = is_hard ? -1.0 : surface;
         }
+        ends_at(count);
         return { above + (below - above) * best_start / count, above + (below - above) * best_end / count };
     }
 
@@ -195,7 +226,7 @@ IntercostalSpace find_intercostal_space(const BodyProbe& probe, const Anatomy& a
     IntercostalSpace space { .left = left, .number = number, .places = {} };
     space.places.resize(static_cast<std::size_t>(count) + 1);
     std::vector<RibPair> pairs;
-    std::vector<Vec3> middle, across;
+    std::vector<Vec3> middle, cut, across;
     for (std::size_t n = 0; n < space.places.size(); ++n) {
         SpacePlace& place = space.places[n];
         place.angle_deg = from + (to - from) * static_cast<double>(n) / count;
@@ -203,13 +234,18 @@ IntercostalSpace find_intercostal_space(const BodyProbe& probe, const Anatomy& a
         const Gap gap = gap_between(probe.labels(), hard, pairs.back().above, pairs.back().below);
         place.gap_mm = (gap.to - gap.from).norm();
         middle.push_back(0.5 * (gap.from + gap.to));
+        const double above_lower = std::max(kAboveLowerRibMm, place.gap_mm - kMostBelowUpperRibMm);
+        cut.push_back(place.gap_mm > 2.0 * above_lower ? Vec3(gap.to + above_lower / place.gap_mm * (gap.from - gap.to))
+                                                       : middle.back());
         across.push_back((pairs.back().above - pairs.back().below).normalized());
     }
     middle = smoothed(middle, kSmoothPlaces);
+    cut = smoothed(cut, kSmoothPlaces);
     across = smoothed(across, kSmoothPlaces);
     const std::vector<Vec3> outward = outward_vectors(middle, across, anatomy.frame);
     for (std::size_t n = 0; n < space.places.size(); ++n) {
         space.places[n].middle = middle[n];
+        space.places[n].cut = cut[n];
         space.places[n].outward = outward[n];
         if (n > 0)
             space.places[n].along_mm = space.places[n - 1].along_mm + (middle[n] - middle[n - 1]).norm();
@@ -275,6 +311,7 @@ SpacePlace place_along(const IntercostalSpace& space, double along_mm)
     const auto between = [&](double first, double second) { return (1.0 - t) * first + t * second; };
     return { .angle_deg = between(a.angle_deg, b.angle_deg),
         .middle = (1.0 - t) * a.middle + t * b.middle,
+        .cut = (1.0 - t) * a.cut + t * b.cut,
         .outward = ((1.0 - t) * a.outward + t * b.outward).normalized(),
         .gap_mm = between(a.gap_mm, b.gap_mm),
         .inner_mm = between(a.inner_mm, b.inner_mm),

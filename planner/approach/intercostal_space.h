@@ -1,6 +1,6 @@
 #pragma once
-// The space between two neighbouring ribs, from the spine to the front: its middle, and the levels between which
-// intercostal muscle and pleura lie. Units mm; frame patient LPS.
+// The space between two neighbouring ribs, from the spine to the front: its middle, the line along which it is cut, and
+// the levels between which intercostal muscle and pleura lie. Units mm; frame patient LPS.
 
 #include "planner/anatomy/anatomy.h"
 #include "planner/anatomy/body_probe.h"
@@ -12,10 +12,18 @@
 
 namespace retractor::planner {
 
+/// Distance of a cut from the lower rib's surface (chosen here). Surgeons go along the upper edge of the lower rib:
+/// vessels and nerve run under the upper one.
+inline constexpr double kAboveLowerRibMm = 4.0;
+/// Most muscle that a cut leaves at the upper rib, so that a retractor's blade bears on the rib through it (chosen
+/// here; see kBearingMm of bearing_points.h). In a wider space the cut lies higher.
+inline constexpr double kMostBelowUpperRibMm = 11.0;
+
 /// A place in an intercostal space.
 struct SpacePlace {
     double angle_deg = 0.0; ///< angle round the chest, see RibLine
     Vec3 middle = Vec3::Zero(); ///< middle of the gap between the surfaces of the two ribs
+    Vec3 cut = Vec3::Zero(); ///< along the lower rib, see kAboveLowerRibMm; in a very narrow or wide gap its middle
     Vec3 outward = Vec3::Zero(); ///< unit vector at right angles to the space and to the line between the ribs
     double gap_mm = 0.0; ///< distance between the two ribs' surfaces
     double inner_mm = 0.0; ///< from the middle inwards to the inner side of the wall

@@ -96,17 +96,17 @@ namespace {
         }
     }
 
-    /// The place of a space at an angle round the chest; beyond an end, the end.
-    Vec3 middle_at_angle(const IntercostalSpace& space, double angle_deg)
+    /// The place at which a space is cut, at an angle round the chest; beyond an end, the end.
+    Vec3 cut_at_angle(const IntercostalSpace& space, double angle_deg)
     {
         const auto after = std::find_if(space.places.begin() + 1, space.places.end() - 1,
             [&](const SpacePlace& place) { return place.angle_deg >= angle_deg; });
         const SpacePlace &a = *(after - 1), &b = *after;
         const double t = std::clamp((angle_deg - a.angle_deg) / (b.angle_deg - a.angle_deg), 0.0, 1.0);
-        return (1.0 - t) * a.middle + t * b.middle;
+        return (1.0 - t) * a.cut + t * b.cut;
     }
 
-    /// A drawn incision at the same angles of another space, as far from its middle as it is from that of its own.
+    /// A drawn incision at the same angles of another space, as far from where it is cut as it is in its own.
     Approach drawn_in_space(Patient& patient, const Surroundings& around, const Approach& approach, int number)
     {
         const BodyProbe probe(*around.labels);
@@ -117,9 +117,9 @@ namespace {
         for (const Vec3& point : incision_handles(approach)) {
             const auto nearest
                 = std::min_element(own.places.begin(), own.places.end(), [&](const SpacePlace& a, const SpacePlace& b) {
-                      return (a.middle - point).squaredNorm() < (b.middle - point).squaredNorm();
+                      return (a.cut - point).squaredNorm() < (b.cut - point).squaredNorm();
                   });
-            points.push_back(point + middle_at_angle(other, nearest->angle_deg) - nearest->middle);
+            points.push_back(point + cut_at_angle(other, nearest->angle_deg) - nearest->cut);
         }
         return with_incision_through(patient, approach, points);
     }
@@ -261,9 +261,8 @@ namespace {
         const double moved = (middle_of(*neighbour.approach) - middle_of(approach)).norm();
         if (moved < kLeastStepMm) {
             neighbour.approach.reset();
-            neighbour.refused = std::round(moved) < 1.0
-                ? "the space leaves no room that way"
-                : "the space leaves room for " + in_words(moved) + " mm only";
+            neighbour.refused = std::round(moved) < 1.0 ? "the space leaves no room that way"
+                                                        : "the space leaves room for " + in_words(moved) + " mm only";
         } else {
             neighbour.where = in_words(std::round(moved)) + " mm " + direction;
             neighbour.approach->name

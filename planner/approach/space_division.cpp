@@ -26,7 +26,7 @@ namespace {
 
     constexpr double kSearchStepMm = 1.0; ///< step in which the division's end is looked for
     constexpr double kPointSpacingMm = 6.0; ///< between points of a stroke's line
-    /// The stroke begins at the incision's end and comes to the middle of the space within this distance.
+    /// The stroke begins at the incision's end and comes to the lower rib's upper edge within this distance.
     constexpr double kBlendMm = 20.0;
     /// Distance of the blade's line from the inner side of the wall. The line must lie in the chest.
     constexpr double kInsideMm = 4.0;
@@ -107,7 +107,7 @@ namespace {
         {
             if (!place.open)
                 return closed_words(place);
-            const double lateral = std::abs(frame_.left.dot(place.middle - frame_.origin) - midline(place.middle));
+            const double lateral = std::abs(frame_.left.dot(place.cut - frame_.origin) - midline(place.cut));
             if (lateral < kFromSpineMm)
                 return formatted("%.0f mm from the spine's midline", kFromSpineMm);
             return risk_behind(place);
@@ -134,7 +134,7 @@ namespace {
         }
         static double nearest_centre(const SpacePlace& place, const std::vector<Vec3>& points)
         {
-            const Vec3 inner = place.middle - place.inner_mm * place.outward;
+            const Vec3 inner = place.cut - place.inner_mm * place.outward;
             const double depth = place.inner_mm + place.outer_mm;
             double least = std::numeric_limits<double>::infinity();
             for (const Vec3& p : points) {
@@ -167,7 +167,7 @@ namespace {
     /// An end of the incision beside the space.
     struct IncisionEnd {
         double along_mm = 0.0; ///< place along the space
-        Vec3 offset = Vec3::Zero(); ///< from the middle of the space to the blade's ray
+        Vec3 offset = Vec3::Zero(); ///< from the space's line of cutting to the blade's ray
         Vec3 outward = Vec3::Zero(); ///< against the blade's direction, unit
     };
 
@@ -177,9 +177,9 @@ namespace {
         double least = std::numeric_limits<double>::infinity();
         const double last = space.places.back().along_mm;
         for (double along = 0.0; along <= last; along += kSearchStepMm) {
-            const Vec3 middle = place_along(space, along).middle;
-            const double t = std::clamp((middle - skin).dot(-end.outward), 0.0, depth);
-            const Vec3 offset = skin - t * end.outward - middle;
+            const Vec3 cut = place_along(space, along).cut;
+            const double t = std::clamp((cut - skin).dot(-end.outward), 0.0, depth);
+            const Vec3 offset = skin - t * end.outward - cut;
             if (offset.norm() < least) {
                 least = offset.norm();
                 end.along_mm = along;
@@ -194,7 +194,7 @@ namespace {
     {
         SpacePlace place = place_along(space, end.along_mm + (forwards ? beyond : -beyond));
         const double share = std::clamp(1.0 - beyond / kBlendMm, 0.0, 1.0);
-        place.middle += share * end.offset;
+        place.cut += share * end.offset;
         place.outward = ((1.0 - share) * place.outward + share * end.outward).normalized();
         return place;
     }
@@ -237,13 +237,12 @@ namespace {
             places.push_back(place_beyond(space, end, length * n / count, forwards));
             if (n > 0)
                 stroke.length_mm
-                    += (places[static_cast<std::size_t>(n)].middle - places[static_cast<std::size_t>(n) - 1].middle)
-                           .norm();
+                    += (places[static_cast<std::size_t>(n)].cut - places[static_cast<std::size_t>(n) - 1].cut).norm();
             stroke.depth_mm
                 = std::max(stroke.depth_mm, places.back().inner_mm + places.back().outer_mm + beyond_ribs + kInsideMm);
         }
         for (const SpacePlace& place : places) { // the blade ends at the ribs' outer side everywhere
-            stroke.line.push_back(place.middle + (place.outer_mm + beyond_ribs - stroke.depth_mm) * place.outward);
+            stroke.line.push_back(place.cut + (place.outer_mm + beyond_ribs - stroke.depth_mm) * place.outward);
             stroke.directions.push_back(place.outward);
         }
         return stroke;

@@ -43,7 +43,7 @@ struct DivisionStroke {
     std::vector<Vec3> line {}; ///< inside the chest, from the incision's end; at least two points
     std::vector<Vec3> directions {}; ///< out of the chest, unit; one per point
     double depth_mm = 0.0; ///< from the line to the outer side of the ribs
-    double length_mm = 0.0; ///< along the middle of the space, or across the sternum
+    double length_mm = 0.0; ///< along the space, or across the sternum
 };
 
 /// How an approach divides the intercostal space or the sternum.

@@ -25,7 +25,7 @@ namespace {
     {
         const double step = 0.5 * labels.grid.spacing.minCoeff();
         for (double at = 0.0; at < skin_mm; at += step)
-            if (hard[mesh::label_at(labels, place.middle + at * place.outward)] != 0)
+            if (hard[mesh::label_at(labels, place.cut + at * place.outward)] != 0)
                 return true;
         return false;
     }
@@ -63,11 +63,11 @@ IncisionLine line_over_space(const BodyProbe& probe, const Anatomy& anatomy, boo
     IncisionLine line { .space = SpaceNumber { left, number }, .places = {} };
     std::vector<double> covers;
     for (const SpacePlace& at : space.places) {
-        const auto skin = probe.first_skin_along(at.middle, at.outward);
+        const auto skin = probe.first_skin_along(at.cut, at.outward);
         if (!skin)
-            throw InputError("no skin outside the " + space_name(left, number) + " near " + in_words(at.middle));
+            throw InputError("no skin outside the " + space_name(left, number) + " near " + in_words(at.cut));
         LinePlace place;
-        place.wall = { .skin = at.middle + *skin * at.outward, .inner = at.middle - at.inner_mm * at.outward };
+        place.wall = { .skin = at.cut + *skin * at.outward, .inner = at.cut - at.inner_mm * at.outward };
         place.angle_deg = at.angle_deg;
         place.free = at.open && at.cavity && !is_covered(probe.labels(), hard, at, *skin);
         if (!line.places.empty())

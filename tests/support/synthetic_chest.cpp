@@ -82,6 +82,11 @@ double rib_height_at(const ChestShape& shape, int number, double angle_deg)
     return shape.first_rib - shape.rib_pitch * (number - 1) - shape.rib_slope * angle_deg;
 }
 
+double upper_edge_at(const ChestShape& shape, int number, double angle_deg)
+{
+    return rib_height_at(shape, number, angle_deg) + 0.5 * shape.rib_height;
+}
+
 mesh::LabelVolume synthetic_chest(const ChestShape& shape)
 {
     mesh::LabelVolume labels;

@@ -22,6 +22,9 @@ inline constexpr double kSternumTop = 80.0, kSternumBottom = -75.0, kRibFromDeg 
 /// Height z (mm) of the centre-line of rib n at an angle from straight back.
 double rib_height_at(const ChestShape& shape, int number, double angle_deg);
 
+/// Height z (mm) of the upper edge of rib n at an angle from straight back.
+double upper_edge_at(const ChestShape& shape, int number, double angle_deg);
+
 /// Labels: skin, muscle, rib_left_n, rib_right_n, sternum, spine (wall), lung_left, lung_right, mediastinal_fat
 /// (voxel), heart (at risk), coronary_target and aneurysm (target).
 mesh::LabelVolume synthetic_chest(const ChestShape& shape = {});

@@ -4,6 +4,7 @@
 #include "mesh/base/error.h"
 #include "planner/anatomy/body_probe.h"
 #include "planner/approach/approach_draft.h"
+#include "planner/approach/intercostal_space.h"
 #include "tests/support/synthetic_chest.h"
 
 #include <gtest/gtest.h>
@@ -220,7 +221,7 @@ namespace approach_templates_test {
         EXPECT_THROW(approach_from_template(patients()[0].labels, shorter), InputError);
     }
 
-    TEST(ApproachTemplates, IntercostalRunsHalfWayBetweenTheRibs)
+    TEST(ApproachTemplates, IntercostalRunsAlongTheUpperEdgeOfTheLowerRib)
     {
         const test_support::ChestShape shape;
         for (const bool left : { true, false })
@@ -234,8 +235,8 @@ namespace approach_templates_test {
                     const double angle = std::atan2(std::abs(between.x()), between.y()) * 180.0 / std::numbers::pi;
                     EXPECT_EQ(between.x() > 0.0, left);
                     EXPECT_NEAR(std::hypot(between.x(), between.y()), shape.rib_radius, 1.0);
-                    EXPECT_NEAR(
-                        between.z(), test_support::rib_height_at(shape, space, angle) - 0.5 * shape.rib_pitch, 1.0);
+                    EXPECT_NEAR(between.z(), test_support::upper_edge_at(shape, space + 1, angle) + kAboveLowerRibMm,
+                        0.5 * shape.spacing); // the ribs are voxels
                 }
                 EXPECT_EQ(approach.retracted.front(), left ? "lung_left" : "lung_right");
             }

@@ -57,6 +57,8 @@ namespace intercostal_space_test {
                 const double height = 0.5
                     * (test_support::rib_height_at(kShape, 4, angle) + test_support::rib_height_at(kShape, 5, angle));
                 EXPECT_NEAR(m.z(), height, kHalfVoxelMm);
+                EXPECT_NEAR(
+                    place.cut.z(), test_support::upper_edge_at(kShape, 5, angle) + kAboveLowerRibMm, kHalfVoxelMm);
                 EXPECT_NEAR(std::hypot(m.x(), m.y()), kShape.rib_radius, kHalfVoxelMm);
                 EXPECT_NEAR(place.gap_mm, kShape.rib_pitch - kShape.rib_height, 2.0 * kHalfVoxelMm);
                 // The wall is 24 mm thick, from 120 to 96 mm; the ribs' middle lies at 104 mm, their outer side at 108.

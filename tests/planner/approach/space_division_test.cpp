@@ -2,6 +2,7 @@
 
 #include "mesh/base/corridor.h"
 #include "planner/approach/approach_templates.h"
+#include "planner/approach/intercostal_space.h"
 #include "tests/support/synthetic_chest.h"
 
 #include <gtest/gtest.h>
@@ -114,9 +115,7 @@ namespace space_division_test {
                 const Vec3 end = outer_end(s, n);
                 EXPECT_NEAR(std::hypot(end.x(), end.y()), kShape.rib_radius + 0.5 * kShape.rib_thickness, kVoxelMm)
                     << n;
-                const double height = 0.5
-                    * (test_support::rib_height_at(kShape, 4, angle_of(end))
-                        + test_support::rib_height_at(kShape, 5, angle_of(end)));
+                const double height = test_support::upper_edge_at(kShape, 5, angle_of(end)) + kAboveLowerRibMm;
                 EXPECT_NEAR(end.z(), height, kVoxelMm) << n;
             }
         }
@@ -177,7 +176,7 @@ namespace space_division_test {
         find_space_division(approach, chest(), anatomy());
         ASSERT_EQ(approach.division.strokes.size(), 1U);
         EXPECT_TRUE(approach.division.strokes[0].way == StrokeWay::forwards);
-        // The blend from the incision to the middle of the space may make the way a little longer.
+        // The blend from the incision to the rib's upper edge may make the way a little longer.
         EXPECT_NEAR(approach.division.strokes[0].length_mm, 20.0, 1.0);
         approach.division.forwards_mm = 400.0;
         find_space_division(approach, chest(), anatomy());

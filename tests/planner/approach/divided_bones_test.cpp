@@ -1,6 +1,7 @@
 #include "planner/approach/divided_bones.h"
 
 #include "planner/approach/approach_templates.h"
+#include "planner/approach/intercostal_space.h"
 #include "tests/support/synthetic_chest.h"
 
 #include <gtest/gtest.h>
@@ -25,9 +26,9 @@ namespace divided_bones_test {
         EXPECT_TRUE(divided_bones(labels, between).empty());
         EXPECT_TRUE(crossed_bones(labels, between).empty());
         EXPECT_EQ(name_crossed_skeleton(between, labels), "");
-        // The same blade a rib's pitch lower, half on the rib: bone that a scalpel does not sever is not divided.
+        // The same blade over the middle of the lower rib: bone that a scalpel does not sever is not divided.
         for (Vec3& point : between.incision)
-            point.z() -= 0.5 * test_support::ChestShape {}.rib_pitch;
+            point.z() -= kAboveLowerRibMm + 0.5 * test_support::ChestShape {}.rib_height;
         EXPECT_TRUE(divided_bones(labels, between).empty());
         EXPECT_EQ(crossed_bones(labels, between), std::vector<std::string> { "rib_left_5" });
         between.rationale = "As asked.";

@@ -28,7 +28,7 @@ namespace {
     namespace fs = std::filesystem;
 
     // A change of what is stored, or of how plans are made, needs another mark.
-    constexpr std::string_view kMark = "retractor plan 19\n";
+    constexpr std::string_view kMark = "retractor plan 20\n";
     constexpr std::string_view kEnding = ".plan";
 
     constexpr std::string_view kProgram = "retractor " RETRACTOR_VERSION;

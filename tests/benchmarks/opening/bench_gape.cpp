@@ -25,7 +25,7 @@ namespace {
     constexpr std::array<double, 3> kStrains { 0.02, 0.04, 0.06 };
     constexpr double kModulus = 0.2; // skin, MPa; the gape does not depend on the modulus
     // Poisson's ratio of springs; under uniaxial stress the gape does not depend on the ratio
-    constexpr double kSpringRatio = 0.25;
+    constexpr double kRatio = 0.25;
     constexpr double kTolerance = 1e-4;
     constexpr double kStep = 5.0; // step of a freehand stroke, mm
     constexpr int kFrameIterations = 25;
@@ -39,7 +39,7 @@ namespace {
         double error_percent() const { return 100.0 * (gape_mm / closed_form_mm - 1.0); }
     };
 
-    fem::Material skin() { return { "skin", kModulus, kSpringRatio, 1.1e-9, "bench" }; }
+    fem::Material skin() { return { "skin", kModulus, kRatio, 1.1e-9, "bench" }; }
 
     /// A cut sheet under tension.
     struct Sheet {
@@ -55,8 +55,7 @@ namespace {
 
         double right() const
         {
-            return verification::sheet_gape(
-                fem::PreStrainKind::uniaxial_stress, strain, problem.cut_length, kSpringRatio);
+            return verification::sheet_gape(fem::PreStrainKind::uniaxial_stress, strain, problem.cut_length, kRatio);
         }
         void cut()
         {
@@ -71,7 +70,7 @@ namespace {
             Points u = Points::Zero(mesh.vertices.rows(), 3);
             for (const VertexId v : verification::sheet_rim(problem, mesh))
                 u.row(v) = verification::sheet_displacement(
-                    problem.cut_length, kModulus * strain, kModulus, kSpringRatio, mesh.vertices.row(v).transpose())
+                    problem.cut_length, kModulus * strain, kModulus, kRatio, mesh.vertices.row(v).transpose())
                                .transpose();
             return u;
         }

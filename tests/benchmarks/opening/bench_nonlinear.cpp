@@ -30,7 +30,7 @@ namespace retractor::benchmarks {
 namespace {
 
     constexpr double kNear = 40.0; // radius of the nonlinear region round the wound, mm
-    constexpr int kDragFrames = 40; // 0.25 mm each: the hooks take three seconds at 15 frames a second
+    constexpr int kFrames = 40; // 0.25 mm each: the hooks take three seconds at 15 frames a second
     constexpr double kFinal = 1e-6; // largest residual of a converged answer
 
     struct CutScene {
@@ -190,7 +190,7 @@ ui::cli::Json measure_nonlinear(const OpenScene& scene, const Job& job)
     row["nonlinear_tets"] = field.near_elements();
     row["nonlinear_rim_vertices"] = field.rim_vertices();
     row["nonlinear_mb"] = static_cast<double>(field.bytes()) / 1e6;
-    const Drag dragged = drag(field, cut.hooks, kDragFrames);
+    const Drag dragged = drag(field, cut.hooks, kFrames);
     const Stopwatch finishing;
     fem::NonlinearRegion whole(cut.mesh, scene.materials, cut.supports, cut.hooks,
         std::vector<std::uint8_t>(cut.mesh.tet_count(), 1), { .tolerance = kFinal });

@@ -30,7 +30,7 @@ namespace retractor::benchmarks {
 
 namespace {
 
-    constexpr std::array<double, 3> kPictureStrains { 0.02, 0.04, 0.06 };
+    constexpr std::array<double, 3> kStrains { 0.02, 0.04, 0.06 };
     constexpr const char* kTemplate = "intercostal:4";
     constexpr double kChestCutLength = 110.0, kRegion = 80.0, kRegionEdge = 4.0;
     constexpr double kBodySmoothing = 4.0;
@@ -225,17 +225,17 @@ std::vector<GapePicture> draw_gapes(const std::filesystem::path& folder, const J
     ui::OffscreenRenderer renderer(ui::make_offscreen_context(), job);
     std::vector<GapePicture> pictures;
     ui::Picture together {
-        .width = static_cast<int>(kPictureStrains.size()) * kWidth * 2 / 3, .height = kHeight * 2 / 3, .viewports = {}
+        .width = static_cast<int>(kStrains.size()) * kWidth * 2 / 3, .height = kHeight * 2 / 3, .viewports = {}
     };
     Points displacement;
-    for (std::size_t i = 0; i < kPictureStrains.size(); ++i) {
-        GapePicture picture { .strain = kPictureStrains[i], .status = {}, .file = {} };
-        const ui::Scene scene = opened_scene(
-            chest, body, picture, displacement, i == 0 ? 1.0 : kPictureStrains[i] / kPictureStrains[i - 1], job);
+    for (std::size_t i = 0; i < kStrains.size(); ++i) {
+        GapePicture picture { .strain = kStrains[i], .status = {}, .file = {} };
+        const ui::Scene scene
+            = opened_scene(chest, body, picture, displacement, i == 0 ? 1.0 : kStrains[i] / kStrains[i - 1], job);
         picture.file = folder / ("gape-" + std::to_string(std::lround(100.0 * picture.strain)) + ".png");
         ui::write_png(
             picture.file, renderer.render({ .width = kWidth, .height = kHeight, .viewports = { { .scene = scene } } }));
-        const double share = 1.0 / static_cast<double>(kPictureStrains.size()), left = share * static_cast<double>(i);
+        const double share = 1.0 / static_cast<double>(kStrains.size()), left = share * static_cast<double>(i);
         together.viewports.push_back({ .left = left, .right = left + share, .scene = scene });
         pictures.push_back(std::move(picture));
     }

@@ -14,8 +14,7 @@ namespace retractor::benchmarks {
 namespace {
 
     constexpr double kSmoothing = 2.0; // mm
-    constexpr double kLiverModulus = 0.0054, kMuscleModulus = 0.04,
-                     kOrganRatio = 0.49; // MPa: values of default_materials()
+    constexpr double kLiverModulus = 0.0054, kMuscleModulus = 0.04, kRatio = 0.49; // MPa: values of default_materials()
 
     TriMesh label_mesh(const mesh::LabelVolume& labels, const char* name, const Job& job)
     {
@@ -93,14 +92,14 @@ std::vector<haptics::SphereOrgan> abdomen_organs(const haptics::SphereLaw& law, 
     const datasets::Phantom phantom = datasets::make_abdomen_phantom(parameters, job);
     constexpr std::size_t kLiverSpheres = 1880; // as in Suzuki and others
     std::vector<haptics::SphereOrgan> organs;
-    organs.push_back(filled_organ(
-        "liver", label_mesh(phantom.labels, "liver", job), kLiverSpheres, law, kLiverModulus, kOrganRatio));
+    organs.push_back(
+        filled_organ("liver", label_mesh(phantom.labels, "liver", job), kLiverSpheres, law, kLiverModulus, kRatio));
     const double radius = organs[0].filling.radius;
     for (const auto& [name, label] : { std::pair { "stomach", "stomach" }, { "skin", "abdominal_wall" } }) {
         TriMesh surface = label_mesh(phantom.labels, label, job);
         const double factor = label == std::string("stomach") ? 0.8 : 0.75; // thinner parts need smaller spheres
         haptics::SphereOrgan organ { name, surface, haptics::fill_with_spheres(surface, factor * radius), 1.0 };
-        organ.stiffness = haptics::calibrate_sphere_force(organ.filling.radius, law, kMuscleModulus, kOrganRatio);
+        organ.stiffness = haptics::calibrate_sphere_force(organ.filling.radius, law, kMuscleModulus, kRatio);
         organs.push_back(std::move(organ));
     }
     return organs;

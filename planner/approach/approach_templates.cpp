@@ -313,6 +313,7 @@ namespace {
         Vec3 cut = Vec3::Zero(); ///< above the lower rib, see SpacePlace
         Vec3 outward = Vec3::Zero(); ///< unit vector at right angles to the space and to the line between the ribs
         Vec3 skin = Vec3::Zero();
+        double gap_mm = 0.0; ///< between the two ribs' surfaces
         double along = 0.0; ///< mm along the skin from the first node
         bool free = true; ///< no bone lies over the place (the shoulder blade)
     };
@@ -328,7 +329,8 @@ namespace {
             SpaceNode node { .angle_deg = place.angle_deg,
                 .cut = place.cut,
                 .outward = place.outward,
-                .skin = place.cut + *skin * place.outward };
+                .skin = place.cut + *skin * place.outward,
+                .gap_mm = place.gap_mm };
             if (!nodes.empty())
                 node.along = nodes.back().along + (node.skin - nodes.back().skin).norm();
             nodes.push_back(node);
@@ -456,6 +458,18 @@ namespace {
         return best;
     }
 
+    /// Mean height of the cut above the lower rib in a window, mm.
+    double mean_height(const std::vector<SpaceNode>& nodes, const Window& window)
+    {
+        double sum = 0.0, count = 0.0;
+        for (const SpaceNode& node : nodes)
+            if (node.along >= window.from && node.along <= window.to) {
+                sum += height_of_cut(node.gap_mm);
+                count += 1.0;
+            }
+        return count > 0.0 ? sum / count : 0.0;
+    }
+
     double along_at_angle(const std::vector<SpaceNode>& nodes, double angle_deg)
     {
         RETRACTOR_ASSERT(!nodes.empty());
@@ -505,8 +519,8 @@ namespace {
         approach.template_name
             = approach.template_name.substr(0, approach.template_name.find(':')) + ":" + std::to_string(space);
         const std::string room = check_clearance(probe.labels(), approach, name);
-        approach.rationale = plan.words + " The line follows the upper edge of rib " + std::to_string(space + 1)
-            + " in the " + name + ", away from the vessels under rib " + std::to_string(space) + ", for "
+        approach.rationale = plan.words + " The line lies about " + in_words(mean_height(nodes, window))
+            + " mm above rib " + std::to_string(space + 1) + " in the " + name + ", for "
             + in_words(incision_length(approach)) + " mm."
             + (plan.spaces.size() > 1 ? " Of the spaces offered this one lies nearest to the target." : "")
             + (faces ? " It is centred where the space comes nearest to the target (" + in_words(nearest) + " mm)" : "")

@@ -9,7 +9,7 @@
 //   sternum's midline from 10 mm above the notch to the level of space N (the 4th by default), where the saw turns
 //   under the skin: to the right edge (J), to the left one, or to both (T) [Onan 2020,
 //   doi 10.5606/tgkdc.dergisi.2020.19614].
-// - intercostal:N: thoracotomy in the middle between rib N and rib N+1, lateral, 170 mm long, on the left unless the
+// - intercostal:N: lateral thoracotomy along the upper edge of rib N+1, 170 mm long, on the left unless the
 //   request says otherwise.
 // - distal[:N]: left posterolateral thoracotomy for the distal arch and the descending aorta, 160 mm long, in space N
 //   (the 6th by default). The incision lies between the back muscles and the side, where it faces the target.

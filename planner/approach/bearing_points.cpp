@@ -1,6 +1,7 @@
 #include "planner/approach/bearing_points.h"
 
 #include "mesh/base/triangle.h"
+#include "mesh/image/label_share.h"
 #include "mesh/image/skeleton.h"
 #include "mesh/surface/proximity.h"
 #include "mesh/tetrahedra/insert_vertex.h"
@@ -43,28 +44,8 @@ namespace {
         {
         }
 
-        /// The share of bone in the voxels round a point, by trilinear weights. The surface is where it is a half.
-        double share(const Vec3& point) const
-        {
-            const Vec3 index = labels_.grid.index(point);
-            const std::array<int, 3> low { static_cast<int>(std::floor(index[0])),
-                static_cast<int>(std::floor(index[1])), static_cast<int>(std::floor(index[2])) };
-            double sum = 0.0;
-            for (int corner = 0; corner < 8; ++corner) {
-                std::array<int, 3> voxel {};
-                double weight = 1.0;
-                for (std::size_t axis = 0; axis < 3; ++axis) {
-                    const int step = corner >> axis & 1;
-                    voxel[axis] = low[axis] + step;
-                    const double t = index[static_cast<Eigen::Index>(axis)] - low[axis];
-                    weight *= step == 1 ? t : 1.0 - t;
-                }
-                if (labels_.grid.contains(voxel[0], voxel[1], voxel[2])
-                    && is_bone_[labels_.voxels[labels_.grid.offset(voxel[0], voxel[1], voxel[2])]] != 0)
-                    sum += weight;
-            }
-            return sum;
-        }
+        /// The share of bone round a point; the surface is where it is a half.
+        double share(const Vec3& point) const { return mesh::label_share(labels_, is_bone_, point); }
 
         /// The name of the bone at a point; empty where there is none.
         std::string name_at(const Vec3& point) const

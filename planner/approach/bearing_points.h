@@ -12,7 +12,8 @@
 
 namespace retractor::planner {
 
-/// Bone farther behind the patch than this (mm) does not bear: the layer between is soft tissue that the hook deforms.
+/// Bone farther behind the patch than this (mm, chosen here) does not bear: the layer between is soft tissue that the
+/// hook deforms. Cuts between ribs leave less muscle than this, see kMostBelowUpperRibMm of intercostal_space.h.
 inline constexpr double kBearingMm = 12.0;
 
 /// The places on the surface of bones on which the patch bears: one for each 10 mm of the patch's middle half, without

@@ -4,13 +4,13 @@
 #include "mesh/base/corridor.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "mesh/image/label_share.h"
 #include "mesh/image/skeleton.h"
 #include "planner/approach/smooth_line.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -44,30 +44,8 @@ namespace {
         Vec3 from = Vec3::Zero(), to = Vec3::Zero(); ///< surfaces of the upper and of the lower rib
     };
 
-    /// Share of bone and cartilage at a place, interpolated between the centres of eight voxels.
-    double hardness(const mesh::LabelVolume& labels, const mesh::LabelFlags& hard, const Vec3& place)
-    {
-        const mesh::ImageGrid& grid = labels.grid;
-        const Vec3 index = grid.index(place);
-        const Vec3 low(std::floor(index.x()), std::floor(index.y()), std::floor(index.z()));
-        double share = 0.0;
-        for (const int corner : { 0, 1, 2, 3, 4, 5, 6, 7 }) {
-            double weight = 1.0;
-            std::array<int, 3> at {};
-            for (int axis = 0; axis < 3; ++axis) {
-                const bool upper = ((corner >> axis) & 1) != 0;
-                const double beyond = index[axis] - low[axis];
-                weight *= upper ? beyond : 1.0 - beyond;
-                at[static_cast<std::size_t>(axis)]
-                    = std::clamp(static_cast<int>(low[axis]) + (upper ? 1 : 0), 0, grid.size[axis] - 1);
-            }
-            share += weight * (hard[labels.voxels[grid.offset(at[0], at[1], at[2])]] != 0 ? 1.0 : 0.0);
-        }
-        return share;
-    }
-
-    /// The longest stretch without bone and cartilage on the way from one rib to the other. A surface lies where bone
-    /// takes half of a voxel's room, so that it moves with the patient and not with the voxels.
+    /// The longest stretch without bone and cartilage on the way from one rib to the other; where the two join, the
+    /// point half way, twice. Surfaces are found between voxels, so that they move with the patient.
     Gap gap_between(const mesh::LabelVolume& labels, const mesh::LabelFlags& hard, const Vec3& above, const Vec3& below)
     {
         constexpr double kSurface = 0.5;
@@ -75,7 +53,7 @@ namespace {
         const int count = std::max(2, static_cast<int>(std::ceil((below - above).norm() / step)));
         std::vector<double> share;
         for (int n = 0; n <= count; ++n)
-            share.push_back(hardness(labels, hard, above + (below - above) * n / count));
+            share.push_back(mesh::label_share(labels, hard, above + (below - above) * n / count));
         double start = share.front() < kSurface ? 0.0 : -1.0, best_start = 0.0, best_end = 0.0;
         const auto ends_at = [&](double end) {
             if (start >= 0.0 && end - start > best_end - best_start) {
@@ -93,6 +71,8 @@ namespace {
             start = is_hard ? -1.0 : surface;
         }
         ends_at(count);
+        if (best_end == best_start)
+            best_start = best_end = 0.5 * count;
         return { above + (below - above) * best_start / count, above + (below - above) * best_end / count };
     }
 
@@ -212,6 +192,11 @@ std::string space_name(bool left, int number)
     return std::string(left ? "left" : "right") + " intercostal space " + std::to_string(number);
 }
 
+double height_of_cut(double gap_mm)
+{
+    return std::min(0.5 * gap_mm, std::max(kAboveLowerRibMm, gap_mm - kMostBelowUpperRibMm));
+}
+
 IntercostalSpace find_intercostal_space(const BodyProbe& probe, const Anatomy& anatomy, bool left, int number)
 {
     const RibLine& upper = find_rib(anatomy, left, number);
@@ -234,9 +219,8 @@ IntercostalSpace find_intercostal_space(const BodyProbe& probe, const Anatomy& a
         const Gap gap = gap_between(probe.labels(), hard, pairs.back().above, pairs.back().below);
         place.gap_mm = (gap.to - gap.from).norm();
         middle.push_back(0.5 * (gap.from + gap.to));
-        const double above_lower = std::max(kAboveLowerRibMm, place.gap_mm - kMostBelowUpperRibMm);
-        cut.push_back(place.gap_mm > 2.0 * above_lower ? Vec3(gap.to + above_lower / place.gap_mm * (gap.from - gap.to))
-                                                       : middle.back());
+        const double above_lower = height_of_cut(place.gap_mm);
+        cut.push_back(place.gap_mm > 0.0 ? Vec3(gap.to + above_lower / place.gap_mm * (gap.from - gap.to)) : gap.to);
         across.push_back((pairs.back().above - pairs.back().below).normalized());
     }
     middle = smoothed(middle, kSmoothPlaces);

@@ -16,18 +16,18 @@ namespace retractor::planner {
 /// vessels and nerve run under the upper one.
 inline constexpr double kAboveLowerRibMm = 4.0;
 /// Most muscle that a cut leaves at the upper rib, so that a retractor's blade bears on the rib through it (chosen
-/// here; see kBearingMm of bearing_points.h). In a wider space the cut lies higher.
+/// here; see kBearingMm of bearing_points.h). In a wider gap the cut lies higher, at most half way.
 inline constexpr double kMostBelowUpperRibMm = 11.0;
 
 /// A place in an intercostal space.
 struct SpacePlace {
     double angle_deg = 0.0; ///< angle round the chest, see RibLine
     Vec3 middle = Vec3::Zero(); ///< middle of the gap between the surfaces of the two ribs
-    Vec3 cut = Vec3::Zero(); ///< along the lower rib, see kAboveLowerRibMm; in a very narrow or wide gap its middle
+    Vec3 cut = Vec3::Zero(); ///< along the lower rib, see height_of_cut()
     Vec3 outward = Vec3::Zero(); ///< unit vector at right angles to the space and to the line between the ribs
     double gap_mm = 0.0; ///< distance between the two ribs' surfaces
-    double inner_mm = 0.0; ///< from the middle inwards to the inner side of the wall
-    double outer_mm = 0.0; ///< from the middle outwards to the level of the ribs' outer side
+    double inner_mm = 0.0; ///< from the middle, or the cut, inwards to the inner side of the wall
+    double outer_mm = 0.0; ///< from the middle, or the cut, outwards to the level of the ribs' outer side
     bool open = true; ///< false: the ribs or their cartilages join, or no cavity lies behind the wall
     bool cavity = true; ///< a cavity lies behind the wall
     double along_mm = 0.0; ///< along the middle, from the first place
@@ -50,6 +50,9 @@ std::string ordinal(const std::string& number);
 
 /// "left intercostal space 4".
 std::string space_name(bool left, int number);
+
+/// Height of the cut above the lower rib's surface in a gap, mm.
+double height_of_cut(double gap_mm);
 
 /// Finds the space between two ribs, over the length that both have; cartilages count where they are labelled.
 /// @throws InputError when a rib has no label, or when the ribs hardly overlap

@@ -1,6 +1,7 @@
 #include "planner/approach/bearing_points.h"
 
 #include "mesh/base/geometry.h"
+#include "planner/approach/intercostal_space.h"
 
 #include <gtest/gtest.h>
 
@@ -95,6 +96,8 @@ namespace bearing_points_test {
         EXPECT_EQ(places(block(0.5, [](const Vec3& p) { return p.x() > kBearingMm - 0.5; }), with_hook()).size(), 1U);
         EXPECT_TRUE(places(block(0.5, [](const Vec3& p) { return p.x() > kBearingMm + 0.5; }), with_hook()).empty());
     }
+
+    static_assert(kMostBelowUpperRibMm < kBearingMm, "a blade bears on the upper rib through what a cut leaves");
 
     TEST(BearingPoints, BoneBesideThePatchDoesNotBear)
     {

@@ -127,13 +127,52 @@ namespace intercostal_space_test {
                 continue;
             EXPECT_EQ(place.open, outside) << place.angle_deg;
         }
+        // The bridge draws the cut beside it towards the middle between the ribs at most, and to neither rib.
+        for (const SpacePlace& place : space.places) {
+            if (place.angle_deg < 85.0 || place.angle_deg > 125.0)
+                continue;
+            const double right = test_support::upper_edge_at(kShape, 5, place.angle_deg) + kAboveLowerRibMm;
+            const double half_way = 0.5
+                * (test_support::rib_height_at(kShape, 4, place.angle_deg)
+                    + test_support::rib_height_at(kShape, 5, place.angle_deg));
+            EXPECT_GT(place.cut.z(), right - kHalfVoxelMm) << place.angle_deg;
+            EXPECT_LT(place.cut.z(), half_way + kHalfVoxelMm) << place.angle_deg;
+        }
+    }
+
+    TEST(IntercostalSpace, IsCutAboveTheLowerRibInGapsOfEveryWidth)
+    {
+        EXPECT_DOUBLE_EQ(height_of_cut(0.0), 0.0);
+        EXPECT_DOUBLE_EQ(height_of_cut(6.0), 3.0);
+        EXPECT_DOUBLE_EQ(height_of_cut(12.0), kAboveLowerRibMm);
+        EXPECT_DOUBLE_EQ(height_of_cut(18.0), 18.0 - kMostBelowUpperRibMm);
+        EXPECT_DOUBLE_EQ(height_of_cut(30.0), 15.0);
+        for (const double pitch : { 15.0, 21.0, 28.0 }) { // gaps of 6, 12 and 19 mm
+            ChestShape shape;
+            shape.rib_pitch = pitch;
+            const mesh::LabelVolume labels = test_support::synthetic_chest(shape);
+            const BodyProbe probe(labels);
+            for (const SpacePlace& place : find_intercostal_space(probe, find_anatomy(labels), true, 3).places)
+                if (place.angle_deg > 30.0 && place.angle_deg < 125.0) {
+                    EXPECT_NEAR(place.cut.z(),
+                        test_support::upper_edge_at(shape, 4, place.angle_deg)
+                            + height_of_cut(pitch - shape.rib_height),
+                        kHalfVoxelMm)
+                        << "gap of " << pitch - shape.rib_height << " mm, at " << place.angle_deg;
+                }
+        }
     }
 
     TEST(IntercostalSpace, PlacesAreInterpolatedAndEndAtTheEnds)
     {
         IntercostalSpace space;
         space.places = { { .angle_deg = 0.0, .middle = Vec3(0, 0, 0), .outward = Vec3(0, 0, 1), .gap_mm = 10.0 },
-            { .angle_deg = 2.0, .middle = Vec3(4, 0, 0), .outward = Vec3(0, 0, 1), .gap_mm = 20.0, .along_mm = 4.0 },
+            { .angle_deg = 2.0,
+                .middle = Vec3(4, 0, 0),
+                .cut = Vec3(4, 2, 0),
+                .outward = Vec3(0, 0, 1),
+                .gap_mm = 20.0,
+                .along_mm = 4.0 },
             { .angle_deg = 4.0,
                 .middle = Vec3(8, 0, 0),
                 .outward = Vec3(0, 0, 1),
@@ -143,6 +182,7 @@ namespace intercostal_space_test {
         const SpacePlace between = place_along(space, 1.0);
         EXPECT_DOUBLE_EQ(between.gap_mm, 12.5);
         EXPECT_DOUBLE_EQ(between.middle.x(), 1.0);
+        EXPECT_DOUBLE_EQ(between.cut.y(), 0.5);
         EXPECT_TRUE(between.open);
         EXPECT_FALSE(place_along(space, 5.0).open);
         EXPECT_DOUBLE_EQ(place_along(space, -3.0).along_mm, 0.0);

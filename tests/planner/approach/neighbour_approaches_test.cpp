@@ -120,7 +120,7 @@ namespace neighbour_approaches_test {
         const Approach pattern = from_template("intercostal:4");
         std::vector<Vec3> points = incision_handles(pattern);
         for (Vec3& point : points)
-            point.z() += 3.0; // not in the middle of the space
+            point.z() += 3.0; // not on the line of the cut
         const Approach drawn = with_incision_through(
             patient(),
             [&] {

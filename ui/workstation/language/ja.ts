@@ -5580,8 +5580,8 @@
         <translation>遠位弓部と下行大動脈のための左後側方開胸。</translation>
     </message>
     <message>
-        <source>The line follows the upper edge of %1 in the %2 intercostal space %3, away from the vessels under %4, for %5 mm.</source>
-        <translation>線は%2第 %3 肋間で、%4の下の血管を避け、%1の上縁を %5 mm たどります。</translation>
+        <source>The line lies about %1 mm above %2 in the %3 intercostal space %4, for %5 mm.</source>
+        <translation>線は%3第 %4 肋間で、%2の約 %1 mm 上を %5 mm たどります。</translation>
     </message>
     <message>
         <source>rib %1</source>

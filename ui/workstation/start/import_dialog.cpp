@@ -9,6 +9,8 @@
 #include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/theme.h"
 
+#include <QAbstractButton>
+#include <QApplication>
 #include <QCheckBox>
 #include <QComboBox>
 #include <QDir>
@@ -156,7 +158,10 @@ QWidget* ImportDialog::make_study_row()
     row->addWidget(file);
     connect(path_, &QLineEdit::returnPressed, this, [this] { set_study(path_->text().toStdString()); });
     connect(path_, &QLineEdit::editingFinished, this, [this] { // left by Tab or a click, or after Return
-        if (const QString path = path_->text(); !path.isEmpty() && path != path_looked_at_)
+        const QString path = path_->text();
+        const bool a_button_is_pressed = QApplication::mouseButtons() != Qt::NoButton
+            && qobject_cast<QAbstractButton*>(QApplication::focusWidget()) != nullptr; // reading would disable it
+        if (!path.isEmpty() && path != path_looked_at_ && !a_button_is_pressed)
             set_study(path.toStdString());
     });
     connect(folder, &QPushButton::clicked, this, [this] { ask_for_folder(); });
@@ -389,6 +394,8 @@ void ImportDialog::import()
 {
     if (!import_->isEnabled())
         return;
+    if (path_->text() != path_looked_at_) // another study was typed, and the field left by this button
+        return set_study(path_->text().toStdString());
     const fs::path case_file = fs::path(case_folder_->text().toStdString()) / planner::kCaseFileName;
     work("Importing", [this, case_file, request = request()](const Job& job) -> std::function<void()> {
         refuse_existing(case_file);

@@ -88,6 +88,11 @@ namespace import_dialog_test {
         EXPECT_EQ(images().count(), 1) << dialog_.failure().toStdString();
         leave();
         EXPECT_TRUE(dialog_.idle()) << "the same path is not read again";
+        path->setText(QString::fromStdString((study_ / "labels.nrrd").string()));
+        dialog_.set_case_folder(study_ / "not_imported");
+        click("import");
+        wait();
+        EXPECT_FALSE(fs::exists(study_ / "not_imported")) << "the typed path is another study, which is read first";
     }
 
     TEST_F(ImportDialogTest, RefusalsSayWhyAndLeaveTheDialogUsable)

@@ -3,6 +3,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/corridor.h"
 #include "mesh/base/triangle.h"
+#include "mesh/image/skeleton.h"
 #include "mesh/surface/wound_surface.h"
 
 #include <Eigen/Geometry>
@@ -17,8 +18,9 @@ namespace retractor::planner {
 namespace {
 
     constexpr double kFadeMm = 40.0; ///< distance from the rim at which the motion is zero
-    /// Largest distance between the border of the mesh and of the region, because elements are coarse.
-    constexpr double kRimBandMm = 4.0;
+    /// Width of the band whose motion the surface outside follows: where it lies under the wall, and the largest
+    /// distance between the border of the mesh and of the region, because elements are coarse.
+    constexpr double kRimBandMm = kFittedRimMm + 4.0;
     /// Anchors nearer than this weigh about the same. Many anchors are needed, because bones at rest may lie close
     /// under moving skin.
     constexpr double kNearMm = 4.0;
@@ -142,6 +144,7 @@ std::vector<Vec3> shown_places(const std::vector<EdgePlace>& places, const WallP
 BeyondSurface::BeyondSurface(
     std::shared_ptr<const TriMesh> surface, const mesh::TetMesh& wall, const WallRegion& region)
     : surface_(std::move(surface))
+    , region_(region)
 {
     for (const VertexId v : rim_vertices(wall, region))
         rim_.push_back({ v, wall.vertices.row(v).transpose() });
@@ -163,6 +166,22 @@ BeyondSurface::BeyondSurface(
             anchors_.push_back({ r, fade(std::sqrt(near.front().first)) / (sum * (d2 + kNearMm * kNearMm)) });
     }
     first_.push_back(anchors_.size());
+}
+
+std::vector<std::uint8_t> BeyondSurface::replaces(const WallSurface& wall, const mesh::LabelTable& labels) const
+{
+    std::vector<std::uint8_t> in_rim(static_cast<std::size_t>(wall.rest.rows()), 0);
+    for (Eigen::Index v = 0; v < wall.rest.rows(); ++v)
+        in_rim[static_cast<std::size_t>(v)] = region_.rim_distance(wall.rest.row(v).transpose()) < kFittedRimMm ? 1 : 0;
+    std::vector<std::uint8_t> replaced(wall.triangles.size(), 0);
+    for (std::size_t t = 0; t < replaced.size(); ++t) {
+        const mesh::LabelInfo* const info = mesh::find_label(labels, wall.labels[t]);
+        const bool is_bone = info != nullptr && mesh::is_skeleton(*info); // bones are meshed outside the region, too
+        const bool is_rim = std::ranges::all_of(
+            wall.triangles[t], [&](VertexId v) { return in_rim[static_cast<std::size_t>(v)] != 0; });
+        replaced[t] = is_rim && wall.is_lip[t] == 0 && !is_bone ? 1 : 0;
+    }
+    return replaced;
 }
 
 Points BeyondSurface::shown(const WallPicture& picture) const

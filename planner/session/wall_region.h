@@ -8,6 +8,7 @@
 #include "mesh/tetrahedra/tet_mesh.h"
 #include "planner/session/wall_picture.h"
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -15,9 +16,12 @@
 
 namespace retractor::planner {
 
-/// Distance that the knife keeps from the rim of the mesh. The surface drawn outside the mesh reaches some millimetres
-/// under the rim, and would show in a wound there.
-inline constexpr double kRimMarginMm = 6.0;
+/// Width of the mesh's rim over which the surface drawn outside the mesh is fitted to the wall. The tetrahedra end
+/// there in ragged slopes, and the surface closes the gaps between them.
+inline constexpr double kFittedRimMm = 6.0;
+/// Distance that the knife keeps from the rim of the mesh. The surface drawn outside the mesh reaches under the wall a
+/// little farther than the fitted rim, and would show in a wound there.
+inline constexpr double kRimMarginMm = kFittedRimMm + 6.0;
 
 struct WallRegion {
     std::vector<Vec3> corridor; ///< planned incision, as used for the mesh
@@ -59,6 +63,9 @@ public:
     const std::shared_ptr<const TriMesh>& rest() const { return surface_; }
     /// Shown vertices, as many rows as at rest.
     Points shown(const WallPicture& picture) const;
+    /// Per triangle of the wall, 1: soft tissue of the fitted rim, which the surface replaces in a picture. Lips of
+    /// cuts are never replaced.
+    std::vector<std::uint8_t> replaces(const WallSurface& wall, const mesh::LabelTable& labels) const;
 
 private:
     struct RimVertex {
@@ -70,6 +77,7 @@ private:
         double share = 0.0; ///< share of the rim vertex's displacement
     };
     std::shared_ptr<const TriMesh> surface_;
+    WallRegion region_;
     std::vector<RimVertex> rim_;
     std::vector<std::size_t> first_; ///< per vertex: first entry in anchors_; vertex count + 1 entries
     std::vector<Anchor> anchors_;

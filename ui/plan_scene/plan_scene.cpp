@@ -573,8 +573,8 @@ Scene knife_surroundings(planner::Patient& patient, const planner::Approach& app
     return scene;
 }
 
-TriMesh body_beyond(
-    planner::Patient& patient, const planner::Approach& approach, const mesh::TetMesh& wall, const Job& job)
+TriMesh body_beyond(planner::Patient& patient, const planner::Approach& approach, const mesh::TetMesh& wall,
+    double rim_mm, const Job& job)
 {
     job.report("surroundings", 0.0);
     // Simplified flat parts of the body have few triangles, and one triangle could span the whole region.
@@ -582,7 +582,7 @@ TriMesh body_beyond(
     job.report("surroundings", 0.5);
     const mesh::LabelTable& table = patient.planned_case().label_table;
     return planner::unmeshed_wall_region(
-        body, *patient.labels(), planner::mesh_sizing_of(approach, table), wall, Points(), 0.0, job);
+        body, *patient.labels(), planner::mesh_sizing_of(approach, table), wall, Points(), rim_mm, job);
 }
 
 Picture view_picture(

@@ -89,8 +89,9 @@ Scene planning_scene(planner::Patient& patient, const planner::Approach& approac
 Scene knife_surroundings(planner::Patient& patient, const planner::Approach& approach);
 
 /// The body outside the wall that is meshed for an approach, at rest, with fewer triangles; see unmeshed_wall_region().
-TriMesh body_beyond(
-    planner::Patient& patient, const planner::Approach& approach, const mesh::TetMesh& wall, const Job& job = {});
+/// @param rim_mm width of the wall's rim to which the surface is fitted, so that no gap shows there
+TriMesh body_beyond(planner::Patient& patient, const planner::Approach& approach, const mesh::TetMesh& wall,
+    double rim_mm, const Job& job = {});
 
 /// One view of a field as a picture: "surgeon", "overview" or "slices".
 /// @throws InputError on another name

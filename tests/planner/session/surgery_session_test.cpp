@@ -289,11 +289,11 @@ namespace surgery_session_test {
             const mesh::TetMesh mesh = live_session.session().compact_mesh();
             std::size_t count = 0;
             for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-                count += centroid(mesh, t).x() > 94.0 + kSlabEdgeMm ? 1U : 0U;
+                count += centroid(mesh, t).x() > 60.0 + 40.0 - kRimMarginMm + kSlabEdgeMm ? 1U : 0U;
             return count;
         };
         const std::size_t before = beyond();
-        const KnifeAnswer over = live_session.take_out(at(live_session, 90.0, 60.0), 20.0);
+        const KnifeAnswer over = live_session.take_out(at(live_session, 84.0, 60.0), 20.0);
         EXPECT_TRUE(over.done);
         EXPECT_EQ(over.reason, "a part of the ball was not taken out: tissue lies outside the region that can be cut");
         EXPECT_EQ(live_session.cuts().back().omitted, "tissue lies outside the region that can be cut");
@@ -520,7 +520,7 @@ namespace surgery_session_test {
         EXPECT_FALSE(outside.done);
         EXPECT_NE(outside.reason.find("inside the outline"), std::string::npos) << outside.reason;
         EXPECT_FALSE(live_session.take_out(at(live_session, 96.0, 60.0), 10.0).done);
-        // Out over the border, at x = 94, and off the slab.
+        // Out over the border, at x = 88, and off the slab.
         ASSERT_TRUE(live_session.begin_stroke(at(live_session, 60.0, 62.0), {}).done);
         std::string said;
         for (double x = 62.0; x < 118.0; x += 2.0)
@@ -530,9 +530,9 @@ namespace surgery_session_test {
         const KnifeAnswer end = live_session.finish_stroke();
         EXPECT_TRUE(end.done);
         EXPECT_EQ(
-            end.reason, "cut over 34 mm; a part of the line was not cut: the line left the region that can be cut");
+            end.reason, "cut over 28 mm; a part of the line was not cut: the line left the region that can be cut");
         ASSERT_EQ(live_session.cuts().size(), 1U);
-        EXPECT_NEAR(live_session.cuts().front().length_mm, 34.0, kRoundingMm);
+        EXPECT_NEAR(live_session.cuts().front().length_mm, 28.0, kRoundingMm);
         EXPECT_EQ(live_session.cuts().front().omitted, "the line left the region that can be cut");
 
         ASSERT_TRUE(live_session.begin_stroke(at(live_session, 60.0, 30.0), {}).done);

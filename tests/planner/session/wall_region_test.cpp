@@ -4,17 +4,21 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <memory>
+#include <vector>
 
 namespace retractor::planner {
 namespace wall_region_test {
 
     // Positions of some 100 mm, a few operations each.
     constexpr double kRoundingMm = 1e-10;
-    // The border is interpolated along edges of 5 mm (diagonals 7.1): the sag of a circle of 34 mm over one, 7.1^2 / (8
-    // * 34).
-    constexpr double kSagMm = 0.2;
+    // The border is interpolated along edges of 5 mm (diagonals 7.1): the sag of a circle of 28 mm over one, 7.1^2 / (8
+    // * 28).
+    constexpr double kSagMm = 0.23;
 
     /// A planned incision of 20 mm in the middle of the slab, meshed within 40 mm.
     WallRegion small_region()
@@ -29,8 +33,8 @@ namespace wall_region_test {
         const WallRegion region = small_region();
         EXPECT_TRUE(region.can_cut({ 60.0, 0.0, 60.0 }));
         EXPECT_NEAR(region.rim_distance({ 90.0, 0.0, 60.0 }), 10.0, kRoundingMm);
-        EXPECT_TRUE(region.can_cut({ 93.9, 0.0, 60.0 }));
-        EXPECT_FALSE(region.can_cut({ 94.1, 0.0, 60.0 }));
+        EXPECT_TRUE(region.can_cut({ 87.9, 0.0, 60.0 }));
+        EXPECT_FALSE(region.can_cut({ 88.1, 0.0, 60.0 }));
         EXPECT_FALSE(region.can_cut({ 130.0, 0.0, 60.0 }));
         EXPECT_TRUE(WallRegion {}.can_cut({ 1e6, 0.0, 0.0 })) << "all of the wall is meshed";
         EXPECT_EQ(WallRegion {}.rim_distance({ 1e6, 0.0, 0.0 }), std::numeric_limits<double>::infinity());
@@ -48,10 +52,35 @@ namespace wall_region_test {
         for (std::size_t i = 0; i < shown.size(); i += 2) {
             length += (shown[i] - shown[i + 1]).norm();
             EXPECT_NEAR(shown[i].y(), 0.0, kRoundingMm) << "on the skin";
-            EXPECT_NEAR(from_incision(shown[i]), 34.0, kSagMm);
+            EXPECT_NEAR(from_incision(shown[i]), 28.0, kSagMm);
         }
-        EXPECT_NEAR(length, 2.0 * 20.0 + 2.0 * M_PI * 34.0, 0.01 * length) << "all round";
+        EXPECT_NEAR(length, 2.0 * 20.0 + 2.0 * M_PI * 28.0, 0.01 * length) << "all round";
         EXPECT_TRUE(region_outline(setup.wall, {}, setup.labels, setup.outward).empty());
+    }
+
+    TEST(BeyondSurface, ReplacesTheSoftTissueOfTheRimButNoLip)
+    {
+        SurgerySetup setup = layered_wall();
+        const WallRegion region = small_region();
+        const BeyondSurface beyond(std::make_shared<const TriMesh>(), setup.wall, region);
+        SurgerySession live_session(layered_wall());
+        WallSurface surface = *live_session.picture()->surface;
+        const std::vector<std::uint8_t> replaced = beyond.replaces(surface, setup.labels);
+        ASSERT_EQ(replaced.size(), surface.triangles.size());
+        std::size_t count = 0;
+        for (std::size_t t = 0; t < replaced.size(); ++t) {
+            double nearest = std::numeric_limits<double>::infinity();
+            for (const VertexId v : surface.triangles[t])
+                nearest = std::min(nearest, from_incision(surface.rest.row(v).transpose()));
+            const mesh::LabelInfo* const info = mesh::find_label(setup.labels, surface.labels[t]);
+            const bool soft = info == nullptr || (info->material != "bone" && info->material != "cartilage");
+            EXPECT_EQ(replaced[t] != 0, soft && nearest > region.meshed_mm - kFittedRimMm) << "triangle " << t;
+            count += replaced[t];
+        }
+        EXPECT_GT(count, 0U);
+        surface.is_lip.assign(surface.is_lip.size(), 1);
+        const std::vector<std::uint8_t> of_lips = beyond.replaces(surface, setup.labels);
+        EXPECT_EQ(std::count(of_lips.begin(), of_lips.end(), 1), 0);
     }
 
     TEST(BeyondSurface, GoesAlongWithTheRimAndRestsFarAway)

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 #include <variant>
@@ -122,10 +123,11 @@ namespace {
         return look;
     }
 
-    LiveTopology topology_of(const planner::WallSurface& surface, const std::map<Label, Look>& looks)
+    /// @param hidden per triangle, 1: not drawn; empty: all are
+    LiveTopology topology_of(const planner::WallSurface& surface, const std::vector<std::uint8_t>& hidden,
+        const std::map<Label, Look>& looks)
     {
         LiveTopology topology;
-        topology.triangles = surface.triangles;
         topology.rest = surface.rest;
         topology.rims = planner::wound_rims(surface);
         std::map<std::pair<Label, bool>, int> number_of;
@@ -136,7 +138,10 @@ namespace {
                 topology.looks.push_back(lip ? lip_look(look) : look);
             }
         for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-            topology.look_of.push_back(number_of.at({ surface.labels[t], surface.is_lip[t] != 0 }));
+            if (hidden.empty() || hidden[t] == 0) {
+                topology.triangles.push_back(surface.triangles[t]);
+                topology.look_of.push_back(number_of.at({ surface.labels[t], surface.is_lip[t] != 0 }));
+            }
         return topology;
     }
 
@@ -382,7 +387,11 @@ void KnifeTool::show_picture()
     if (snapshot.picture == nullptr)
         return;
     if (drawn_surface_ != snapshot.picture->surface) {
-        drawn_.wall.set_topology(topology_of(*snapshot.picture->surface, tissue_looks(snapshot.labels)));
+        const planner::WallSurface& surface = *snapshot.picture->surface;
+        drawn_.wall.set_topology(topology_of(surface,
+            snapshot.beyond != nullptr ? snapshot.beyond->replaces(surface, snapshot.labels)
+                                       : std::vector<std::uint8_t> {},
+            tissue_looks(snapshot.labels)));
         const bool first = drawn_surface_ == nullptr;
         drawn_surface_ = snapshot.picture->surface;
         if (first) {

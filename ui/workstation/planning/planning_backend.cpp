@@ -219,7 +219,8 @@ namespace {
             inward += direction;
         setup.outward = -inward.normalized();
         input.surroundings = knife_surroundings(patient, approach);
-        setup.beyond = std::make_shared<const TriMesh>(body_beyond(patient, meshed, model.wall, job));
+        setup.beyond
+            = std::make_shared<const TriMesh>(body_beyond(patient, meshed, model.wall, planner::kFittedRimMm, job));
         setup.region = { .corridor = mesh::region_line(sizing), .meshed_mm = sizing.region_mm };
         setup.wall = std::move(model.wall);
         return input;

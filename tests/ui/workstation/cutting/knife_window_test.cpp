@@ -877,7 +877,7 @@ namespace knife_window_test {
             QTest::mouseRelease(&view, Qt::LeftButton, {}, pixel_of(view, to));
             wait();
         };
-        draw({ 40.0, skin, 20.0 }, { 40.0, skin, -20.0 });
+        draw({ 34.0, skin, 20.0 }, { 34.0, skin, -20.0 });
         const planner::SurgerySnapshot& snapshot = *window.knife().snapshot();
         ASSERT_EQ(snapshot.cuts.size(), 1U) << window.error_line();
         const QImage after = view.picture();
@@ -905,12 +905,12 @@ namespace knife_window_test {
         draw({ 52.0, skin, 20.0 }, { 52.0, skin, -20.0 });
         EXPECT_EQ(snapshot.cuts.size(), 1U);
         EXPECT_NE(window.error_line().find("inside the outline"), std::string::npos) << window.error_line();
-        // That outline is drawn 6 mm inside the rim, while there is something to cut.
+        // That outline is drawn 12 mm inside the rim, while there is something to cut.
         const auto brightest = [&](const QImage& picture) {
             double most = 0.0;
             for (int i = -4; i <= 4; ++i)
                 most = std::max(
-                    most, picture.pixelColor(pixel_of(view, { -44.0, skin, 10.0 }) + QPoint(i, 0)).lightnessF());
+                    most, picture.pixelColor(pixel_of(view, { -38.0, skin, 10.0 }) + QPoint(i, 0)).lightnessF());
             return most;
         };
         const double with_outline = brightest(view.picture());

@@ -246,6 +246,8 @@ std::string surgical_name(const Approach& approach)
 
 std::string spoken_name(const Approach& approach)
 {
+    if (!approach.title.empty())
+        return approach.title;
     std::string usual = approach.template_name == "points" ? "drawn" : approach.template_name;
     std::replace(usual.begin(), usual.end(), ':', '_');
     const std::string kind = parts_of(approach.template_name).first;
@@ -259,6 +261,19 @@ std::string spoken_name(const Approach& approach)
             return surgical_name(approach) + ", no. " + approach.name.substr(numbered.size());
     }
     return approach.name;
+}
+
+void set_title(Case& planned_case, std::string_view name, const std::string& title)
+{
+    Approach& approach = find_approach(planned_case, name);
+    const std::string where = "/approaches/" + std::to_string(&approach - planned_case.approaches.data()) + "/title";
+    Approach titled = approach;
+    titled.title = title;
+    for (const Approach& other : planned_case.approaches)
+        if (&other != &approach && spoken_name(other) == spoken_name(titled) && !title.empty())
+            throw InputError("another approach is called \"" + title + "\": give another title", where);
+    check_approach(titled, where.substr(0, where.rfind('/')));
+    approach = std::move(titled);
 }
 
 } // namespace retractor::planner

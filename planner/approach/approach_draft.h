@@ -80,7 +80,11 @@ std::string free_approach_name(const Case& planned_case, const std::string& name
 /// The approach as surgeons call it: "Median sternotomy", "Left thoracotomy, 4th space".
 std::string surgical_name(const Approach& approach);
 
-/// The name for people: the surgical name, where the approach has no name of its own.
+/// The name for people: the title, or else the surgical name, where the approach has no name of its own.
 std::string spoken_name(const Approach& approach);
+
+/// Gives an approach of a case another title, or none. Its name stays, and with it its plan, cuts, views and choice.
+/// @throws InputError when there is no such approach, or people call another one so
+void set_title(Case& planned_case, std::string_view name, const std::string& title);
 
 } // namespace retractor::planner

@@ -387,6 +387,9 @@ void check_approach(const Approach& approach, const std::string& pointer)
             refuse("a name must not hold slashes or control characters", pointer + "/name");
     if (approach.name.front() == '.')
         refuse("a name must not begin with a dot", pointer + "/name");
+    for (const char c : approach.title)
+        if (static_cast<unsigned char>(c) < 0x20)
+            refuse("a title must not hold control characters", pointer + "/title");
     check_line(approach, pointer);
     check_positive(approach.depth_mm, pointer + "/depth_mm");
     check_profile(approach.wall_thickness_mm, approach.incision.size(), pointer + "/wall_thickness_mm");

@@ -153,7 +153,8 @@ struct AblationSpec {
 enum class LoosePieces { held, removed, rigid };
 
 struct Approach {
-    std::string name; ///< unique in its case
+    std::string name; ///< unique in its case; files and decisions are found by it
+    std::string title {}; ///< what people call it; empty: see spoken_name()
     std::string template_name; ///< "median", "intercostal:5", ... or "points"
     std::vector<Vec3> incision; ///< on the skin, in cutting order; at least two points
     std::vector<Vec3> directions; ///< into the body, unit; one per incision point

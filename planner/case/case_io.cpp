@@ -337,8 +337,9 @@ namespace {
                 approach.wall_thickness_mm, "hook_depth_mm", approach.hook_depth_mm, "target", approach.target, "hooks",
                 approach.hooks, "retracted", approach.retracted, "uncut_labels", approach.uncut_labels, "sizing",
                 approach.sizing, "view", approach.view, "rationale", approach.rationale);
-            // These were added later. A case without them divides no tissue beyond the skin, has no retractor and no
-            // ablations, opens by half a turn of the crank every 10 s, and its loose pieces are held.
+            // These were added later. A case without them gives no title, divides no tissue beyond the skin, has no
+            // retractor and no ablations, opens by half a turn of the crank every 10 s, and its loose pieces are held.
+            io.optional("title", approach.title, !approach.title.empty());
             io.optional("division", approach.division, approach.division.extent != DivisionExtent::skin);
             io.optional("retractor", approach.retractor);
             io.optional("opening_protocol", approach.opening_protocol);

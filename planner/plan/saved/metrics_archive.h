@@ -75,9 +75,17 @@ RETRACTOR_ARCHIVE(RetractorSpec, kind, opening_mm, force_N, along_mm, blade_widt
 RETRACTOR_ARCHIVE(TargetSpec, label, centre, radius_mm, site, normal)
 RETRACTOR_ARCHIVE(ViewSpec, eye_distance_mm, half_angle_deg, eye_count)
 RETRACTOR_ARCHIVE(AblationSpec, label, from_mm, to_mm, along_from_mm, along_to_mm, centre, radius_mm)
-RETRACTOR_ARCHIVE(Approach, name, template_name, incision, directions, depth_mm, wall_thickness_mm, hook_depth_mm,
-    target, hooks, retractor, opening_protocol, retracted, uncut_labels, division, ablations, loose_pieces, sizing,
-    view, rationale)
+/// Without the title: it is another one as soon as somebody renames the approach, and the case knows it.
+template <class Archive> void serialize(Archive& archive, Approach& approach)
+{
+    auto& [name, title, template_name, incision, directions, depth_mm, wall_thickness_mm, hook_depth_mm, target, hooks,
+        retractor, opening_protocol, retracted, uncut_labels, division, ablations, loose_pieces, sizing, view,
+        rationale]
+        = approach;
+    archive(name, template_name, incision, directions, depth_mm, wall_thickness_mm, hook_depth_mm, target, hooks,
+        retractor, opening_protocol, retracted, uncut_labels, division, ablations, loose_pieces, sizing, view,
+        rationale);
+}
 RETRACTOR_ARCHIVE(PressureMetrics, label, pressure_kPa, area_mm2, behind_gap_mm2, force_N, follows)
 RETRACTOR_ARCHIVE(
     BoneStiffness, label, name, material, origin, modulus_MPa, low_MPa, high_MPa, cut_off_MPa, share, sections, words)
@@ -138,14 +146,14 @@ RETRACTOR_ARCHIVE(FieldMetrics, name, target, target_spec, seen_best_eye, seen_t
     reached_by_finger, finger_lacks_mm, surgical_freedom_mm2, best_eye_picture, best_eye_pixels, best_eye, annulus,
     access_horizontal_deg, access_vertical_deg, coaxiality_deg, visible_fraction, visible_fraction_mean_eye,
     visible_fraction_central_eye, visible_fraction_wall_removed, eye_distance_mm, cone_half_angle_deg, eyes,
-    target_samples, blockers, bone_in_sight, if_organs_shift, if_lung_keeps, if_turned, estimated, steel_at_risk, at_risk,
-    retracted, opening_area_mm2, opening_width_mm, working_distance_mm, opening_solid_angle_sr, attack_along_deg,
-    attack_across_deg, target_offset_mm, incision_length_mm, cut_depth_mm, crossed_bones, divided_cartilages, hooks,
-    retractor, hook_force_N, force_moments, strain_p99, strain_p99_at, tissue_strain, lip_deviation, bones, bones_rough,
-    bones_message, attainable, largest_uninjured_opening_mm, uninjured_opening, inverted_elements, max_volume_ratio,
-    volume_failures, residual, mechanics_status, solution, division, removed, removed_skin_mm2, loose_pieces, region,
-    tets, seconds, contact, pressures, tension, error, parameters, bone_stiffness, accuracy, second_opinion,
-    implausible, explanation)
+    target_samples, blockers, bone_in_sight, if_organs_shift, if_lung_keeps, if_turned, estimated, steel_at_risk,
+    at_risk, retracted, opening_area_mm2, opening_width_mm, working_distance_mm, opening_solid_angle_sr,
+    attack_along_deg, attack_across_deg, target_offset_mm, incision_length_mm, cut_depth_mm, crossed_bones,
+    divided_cartilages, hooks, retractor, hook_force_N, force_moments, strain_p99, strain_p99_at, tissue_strain,
+    lip_deviation, bones, bones_rough, bones_message, attainable, largest_uninjured_opening_mm, uninjured_opening,
+    inverted_elements, max_volume_ratio, volume_failures, residual, mechanics_status, solution, division, removed,
+    removed_skin_mm2, loose_pieces, region, tets, seconds, contact, pressures, tension, error, parameters,
+    bone_stiffness, accuracy, second_opinion, implausible, explanation)
 } // namespace retractor::planner
 
 #undef RETRACTOR_ARCHIVE

@@ -84,6 +84,7 @@ std::string plan_inputs(const Case& planned_case, std::string_view approach)
 {
     Case alone = planned_case;
     alone.approaches = { find_approach(planned_case, approach) };
+    alone.approaches.front().title.clear(); // no number depends on it
     alone.patient.reset();
     alone.views = Case {}.views;
     alone.sizing = {};
@@ -144,6 +145,7 @@ std::optional<SavedPlan> read_saved_plan(const Case& planned_case, std::string_v
         if (inputs != plan_inputs(planned_case, approach))
             return std::nullopt;
         archive_field(archive, saved.field);
+        saved.field.approach.title = find_approach(planned_case, approach).title;
         return saved;
     } catch (const cereal::Exception& exception) {
         throw InputError(std::string("this saved plan is damaged (") + exception.what() + "): plan the approach again",

@@ -14,8 +14,9 @@
 
 namespace retractor::planner {
 
-/// What a plan is made from, in a text: the approach, labels, images, materials, supports and settings, the program and
-/// its version. How large a region and how fine a mesh a search chose is not in it: the plan itself says it.
+/// What a plan is made from, in a text: the approach without its title, labels, images, materials, supports and
+/// settings, the program and its version. How large a region and how fine a mesh a search chose is not in it: the plan
+/// itself says it.
 /// @throws InputError when there is no approach of this name
 std::string plan_inputs(const Case& planned_case, std::string_view approach);
 

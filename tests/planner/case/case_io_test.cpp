@@ -58,6 +58,7 @@ namespace case_io_test {
             a.loose_pieces = LoosePieces::rigid;
             a.sizing.region_mm = 80.1;
             a.view.half_angle_deg = 17.3;
+            a.title = "Médiane, longue";
             a.rationale = "because \"it\" is so: größer\n";
             a.hooks = make_hooks(a, "4", 1e2 / 3.0);
             return a;
@@ -136,6 +137,7 @@ namespace case_io_test {
         EXPECT_EQ(a.sizing.region_mm, b.sizing.region_mm);
         EXPECT_EQ(a.view.half_angle_deg, b.view.half_angle_deg);
         EXPECT_EQ(a.view.eye_count, b.view.eye_count);
+        EXPECT_EQ(a.title, b.title);
         EXPECT_EQ(a.rationale, b.rationale);
         ASSERT_EQ(a.hooks.size(), b.hooks.size());
         for (std::size_t h = 0; h < a.hooks.size(); ++h) {

@@ -136,6 +136,12 @@ TEST_F(CommandLine, ACaseFileMayHaveAnyName)
     EXPECT_FALSE(fs::exists(folder / "named" / "case.json"));
     EXPECT_EQ(run("approach list " + first).out.find("straight"), std::string::npos);
     EXPECT_NE(run("approach list " + second).out.find("straight"), std::string::npos);
+    // Another title changes no name: commands and files stay.
+    EXPECT_EQ(run("approach rename " + second + " --name straight --title Long").exit_code, 0);
+    EXPECT_NE(run("approach list " + second).out.find("called Long"), std::string::npos);
+    EXPECT_EQ(run("approach rename " + second + " --name nobody --title Long").exit_code, 2);
+    EXPECT_EQ(run("approach rename " + second + " --name straight --title=").exit_code, 0);
+    EXPECT_EQ(run("approach list " + second).out.find("called"), std::string::npos);
     // And everything that opens a case opens this one.
     EXPECT_EQ(run("mesh " + second + " --approach straight --out " + out("named_mesh")).exit_code, 0);
     const std::string journal = out("named_cut/cuts.jsonl");

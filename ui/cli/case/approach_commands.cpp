@@ -7,6 +7,7 @@
 
 #include "fem/statics/driven_opening.h"
 #include "mesh/base/error.h"
+#include "planner/approach/approach_draft.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/approach/divided_bones.h"
 #include "planner/approach/find_division.h"
@@ -37,7 +38,8 @@ namespace {
     constexpr double kLongestMm = 2000.0; // length of an incision or a depth; longer than any patient
 
     struct ApproachOptions {
-        std::string case_file, name, template_name, target, hooks, loose = "held", division, retractor, retractor_table;
+        std::string case_file, name, title, template_name, target, hooks, loose = "held", division, retractor,
+                                                                          retractor_table;
         std::vector<std::string> points, retracted, ablations;
         double length_mm = 0.0, depth_mm = 0.0, opening_mm = 0.0;
         std::optional<double> edge_mm, coarse_mm, region_mm, forwards_mm, backwards_mm, rack_force_N, turn_every_s;
@@ -66,11 +68,11 @@ namespace {
         Json ablations = Json::array();
         for (const planner::AblationSpec& ablation : approach.ablations)
             ablations.push_back(Json::parse(planner::ablation_to_json(ablation)));
-        Json document { { "name", approach.name }, { "template", approach.template_name },
-            { "incision_length_mm", planner::incision_length(approach) }, { "depth_mm", approach.depth_mm },
-            { "hooks", approach.hooks.size() }, { "retracted", approach.retracted }, { "ablations", ablations },
-            { "loose_pieces", to_string(approach.loose_pieces) }, { "division", division_document(approach.division) },
-            { "rationale", approach.rationale } };
+        Json document { { "name", approach.name }, { "called", planner::spoken_name(approach) },
+            { "template", approach.template_name }, { "incision_length_mm", planner::incision_length(approach) },
+            { "depth_mm", approach.depth_mm }, { "hooks", approach.hooks.size() }, { "retracted", approach.retracted },
+            { "ablations", ablations }, { "loose_pieces", to_string(approach.loose_pieces) },
+            { "division", division_document(approach.division) }, { "rationale", approach.rationale } };
         if (approach.retractor)
             document["retractor"] = planner::retractor_text(*approach.retractor);
         if (approach.opening_protocol)
@@ -84,6 +86,8 @@ namespace {
             approach.name.c_str(), approach.template_name.c_str(), planner::incision_length(approach),
             approach.depth_mm, approach.retractor ? "" : formatted("%zu hooks, ", approach.hooks.size()).c_str(),
             planner::target_name(approach.target).c_str());
+        if (!approach.title.empty())
+            text += "  called " + approach.title + "\n";
         if (const planner::Division& division = approach.division; division.extent == planner::DivisionExtent::full)
             text += "  divides intercostal muscle and pleura beyond the skin: forwards "
                 + distance_text(division.forwards_mm) + ", backwards " + distance_text(division.backwards_mm) + "\n";
@@ -410,6 +414,17 @@ namespace {
         return outcome;
     }
 
+    Outcome rename(const std::string& case_file, const std::string& name, const std::string& title)
+    {
+        planner::Case planned_case = open_case(case_file);
+        planner::set_title(planned_case, name, title);
+        planner::write_case(planned_case);
+        Outcome outcome;
+        outcome.document = approach_document(planner::find_approach(planned_case, name));
+        outcome.text = approach_line(planner::find_approach(planned_case, name));
+        return outcome;
+    }
+
     Outcome divide(const ApproachOptions& options)
     {
         planner::Case planned_case = open_case(options.case_file);
@@ -558,7 +573,7 @@ namespace {
 void add_approach_commands(Commands& commands)
 {
     CLI::App* approach
-        = commands.app.add_subcommand("approach", "Add, divide, list or remove the approaches of a case");
+        = commands.app.add_subcommand("approach", "Add, divide, list, rename or remove the approaches of a case");
     approach->require_subcommand(1);
     auto options = std::make_shared<ApproachOptions>();
     add_add_command(*approach, commands, options);
@@ -579,6 +594,16 @@ void add_approach_commands(Commands& commands)
     list_command->footer("Example: retractor approach list case.json");
     list_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     commands.on(list_command, [options](const Job&) { return list(options->case_file); });
+
+    CLI::App* rename_command = approach->add_subcommand(
+        "rename", "Say what people call an approach; its plan, cuts, views and choice stay with it");
+    rename_command->footer("Example: retractor approach rename case.json --name median --title \"Sternotomy, long\"");
+    rename_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
+    rename_command->add_option("--name", options->name, "Name of the approach")->required();
+    rename_command->add_option("--title", options->title, "What people call it; empty: as its template is called")
+        ->required();
+    commands.on(
+        rename_command, [options](const Job&) { return rename(options->case_file, options->name, options->title); });
 
     CLI::App* remove_command = approach->add_subcommand("remove", "Remove an approach");
     remove_command->footer("Example: retractor approach remove case.json --name median");

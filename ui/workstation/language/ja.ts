@@ -2228,6 +2228,18 @@
         <translation>%1を加える</translation>
     </message>
     <message>
+        <source>rename %1</source>
+        <translation>%1の名前を変える</translation>
+    </message>
+    <message>
+        <source>Renamed: %1</source>
+        <translation>名前を変えました：%1</translation>
+    </message>
+    <message>
+        <source>Nothing was changed.</source>
+        <translation>何も変わっていません。</translation>
+    </message>
+    <message>
         <source>remove %1</source>
         <translation>%1を消す</translation>
     </message>

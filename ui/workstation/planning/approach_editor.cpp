@@ -4,6 +4,7 @@
 #include "planner/approach/approach_draft.h"
 #include "planner/approach/retractors.h"
 #include "planner/case/target_site.h"
+#include "planner/plan/saved/saved_plan.h"
 #include "ui/workstation/planning/approach_dialog.h"
 #include "ui/workstation/planning/metric_rows.h"
 #include "ui/workstation/planning/site_dialog.h"
@@ -28,6 +29,14 @@ namespace {
         for (std::size_t n = 1; n < points.size(); ++n)
             length += (points[n] - points[n - 1]).norm();
         return length;
+    }
+
+    /// Whether a changed approach has the plan of the one that it comes from: at most its title is another.
+    bool gives_the_same_plan(const planner::Case& planned_case, const planner::Approach& changed)
+    {
+        planner::Case after = planned_case;
+        after.approaches = { changed };
+        return planner::plan_inputs(after, changed.name) == planner::plan_inputs(planned_case, changed.name);
     }
 
 } // namespace
@@ -289,20 +298,22 @@ void ApproachEditor::change_opening()
                                                 : readable(target) });
     auto* dialog = new ApproachDialog(ApproachDialog::Asks::opening, targets, &window_);
     const std::string spoken = planner::spoken_name(approach);
-    dialog->show_draft({ .name = spoken == approach.name ? approach.name : std::string(),
+    planner::Approach untitled = approach;
+    untitled.title.clear();
+    const std::string usual = planner::spoken_name(untitled);
+    dialog->show_draft({ .name = spoken == usual && usual != approach.name ? std::string() : spoken,
         .target = target,
         .opened_by = { .opening_mm = planner::asked_opening_mm(approach) } });
-    dialog->set_usual_name(QString::fromStdString(spoken));
+    dialog->set_usual_name(QString::fromStdString(usual));
     dialog->set_present_instrument(
         QString::fromStdString(approach.retractor ? planner::instrument_name(approach.retractor->kind)
                                                   : hooks_in_words(approach.hooks.size())));
     ask(
         dialog,
-        [approach, target, dialog](const planner::ApproachDraft& draft) -> Make {
-            return [approach, target, draft, keeps = dialog->keeps_opening()] {
+        [approach, target, dialog, usual](const planner::ApproachDraft& draft) -> Make {
+            return [approach, target, draft, usual, keeps = dialog->keeps_opening()] {
                 planner::Approach changed = approach;
-                if (!draft.name.empty())
-                    changed.name = draft.name;
+                changed.title = draft.name == usual ? std::string() : draft.name;
                 if (draft.target != target)
                     changed = planner::with_target(std::move(changed), { .label = draft.target });
                 if (!keeps)
@@ -318,6 +329,12 @@ void ApproachEditor::change_opening()
             if (!selected || model_->id(*selected) != id)
                 return;
             const QString name = QString::fromStdString(planner::spoken_name(changed_approach));
+            if (gives_the_same_plan(model_->planned_case(), changed_approach)) {
+                if (changed_approach.title == model_->approach(*selected).title)
+                    return on_message("Nothing was changed.");
+                model_->rename_approach(*selected, changed_approach.title);
+                return changed("Renamed: " + name);
+            }
             model_->replace_approach(*selected, std::move(changed_approach), "change " + name.toStdString());
             changed("Changed " + name);
         });

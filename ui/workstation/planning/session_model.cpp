@@ -189,6 +189,18 @@ void SessionModel::replace_approach(std::size_t index, planner::Approach approac
     withdraw_absent();
 }
 
+void SessionModel::rename_approach(std::size_t index, const std::string& title)
+{
+    planner::Case edited = case_;
+    planner::set_title(edited, approach(index).name, title);
+    const std::string before = planner::spoken_name(approach(index)),
+                      after = planner::spoken_name(edited.approaches.at(index));
+    begin_edit("rename " + before);
+    case_ = std::move(edited);
+    for (const std::string& name : { before, after }) // the edit can be taken back
+        state_of(index).former_names.push_back(name);
+}
+
 void SessionModel::remove_approach(std::size_t index)
 {
     begin_edit("remove " + planner::spoken_name(approach(index)));
@@ -452,15 +464,18 @@ ShownSource SessionModel::shown_source() const
     if (shown_view() == ViewPreset::compare) {
         ShownSource source { .pictures = nullptr, .opened = true, .view = view_, .approach = std::nullopt };
         for (const std::size_t index : compared())
-            source.compared.push_back(this->state(index).field);
+            source.compared.push_back(this->state(index).field),
+                source.name += planner::spoken_name(approach(index)) + "\n";
         source.pictures = source.compared.front();
         source.alone = alone_;
         source.map = map_;
         return source;
     }
     ShownSource source { .pictures = nullptr, .opened = opened, .view = view_, .approach = std::nullopt };
-    if (selected_)
+    if (selected_) {
         source.approach = shown_id();
+        source.name = planner::spoken_name(approach(*selected_));
+    }
     if (opened) {
         source.pictures = state.field;
         source.map = map_;
@@ -639,12 +654,25 @@ std::vector<Scene> SessionModel::compared_scenes() const
     return scenes;
 }
 
+void SessionModel::put_present_name(Scene& scene) const
+{
+    if (!selected_)
+        return;
+    for (const std::string& former : shown_state().former_names)
+        if (scene.title.starts_with(former + ":")) {
+            scene.title.replace(0, former.size(), planner::spoken_name(approach(*selected_)));
+            return;
+        }
+}
+
 std::vector<Scene> SessionModel::shown_scenes() const
 {
     std::vector<Scene> scenes = unmeasured_scenes();
-    for (Scene& scene : scenes)
+    for (Scene& scene : scenes) {
+        put_present_name(scene);
         if (scene.slices.empty())
             scene = looked_into(std::move(scene));
+    }
     draw_measurements(scenes, measurements_);
     if (alone_ && *alone_ < scenes.size()) {
         std::swap(scenes.front(), scenes[*alone_]);

@@ -97,6 +97,8 @@ struct ApproachState {
     bool closed_tried = false; ///< the closed picture was started
     bool saved_tried = false; ///< a plan of an earlier session was looked for
     bool as_draft = false; ///< what is asked for, being planned or planned is a draft
+    /// What the approach was called when its pictures may have been made, where it was renamed since.
+    std::vector<std::string> former_names {};
 };
 
 /// Identifies the shown picture without its scenes. Two equal values mean that the picture is still valid.
@@ -105,6 +107,7 @@ struct ShownSource {
     bool opened = false;
     ViewPreset view = ViewPreset::surgeon;
     std::optional<std::size_t> approach; ///< its id
+    std::string name {}; ///< of the approach, for people
     std::shared_ptr<const void> slices {}; ///< the ClosedPictures, in the view of slices
     std::vector<std::shared_ptr<const void>> compared {}; ///< the FieldPictures, in a comparison
     std::optional<std::size_t> alone {}; ///< the picture of several that fills the view
@@ -117,8 +120,9 @@ struct ClosedWork {
     std::optional<planner::Approach> approach; ///< nothing: the patient alone
 };
 
-/// Approaches are named by their index in the list. An approach keeps its id when others come and go; a changed
-/// approach has a new id, because pictures and plans of the old one do not show it.
+/// Approaches are named by their index in the list. An approach keeps its id when others come and go, and when only its
+/// title changes. An approach that is changed otherwise has a new id, because pictures and plans of the old one do not
+/// show it.
 class SessionModel {
 public:
     /// Selects the first approach, if there is one.
@@ -147,6 +151,9 @@ public:
     /// @param what the change in words, for "Undo"
     /// @throws InputError as planner::add_approach() does; nothing changes then
     void replace_approach(std::size_t index, planner::Approach approach, std::string what);
+    /// Gives an approach another title. Its plan and pictures stay.
+    /// @throws InputError as planner::set_title() does; nothing changes then
+    void rename_approach(std::size_t index, const std::string& title);
     void remove_approach(std::size_t index);
     /// The edit that undo_edit() or redo_edit() would take back or make again, in words; nothing: there is none.
     std::optional<std::string> edit_to_undo() const;
@@ -173,7 +180,8 @@ public:
     /// comparison two planned approaches.
     bool view_available(ViewPreset view) const;
 
-    /// The planned approaches, by index. Drafts are not among them: they are compared with nothing, and go into no file.
+    /// The planned approaches, by index. Drafts are not among them: they are compared with nothing, and go into no
+    /// file.
     std::vector<std::size_t> planned() const;
     /// Those of them that stand side by side; see planner::compared_approaches().
     std::vector<std::size_t> compared() const;
@@ -301,6 +309,8 @@ public:
 
 private:
     std::vector<Scene> unmeasured_scenes() const;
+    /// In the title of a picture that was made before the approach was renamed.
+    void put_present_name(Scene& scene) const;
     /// A scene in space with the look of the wall, the cut and the mark.
     Scene looked_into(Scene scene) const;
     /// A slice as grey window and look of labels want it.

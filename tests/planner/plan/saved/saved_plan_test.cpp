@@ -138,6 +138,10 @@ namespace saved_plan_test {
             other.name = "other";
             c.approaches.push_back(other);
         }));
+        EXPECT_TRUE(is_read([](Case& c) { c.approaches.front().title = "Long one"; })) << "no number depends on it";
+        Case titled = here;
+        titled.approaches.front().title = "Long one";
+        EXPECT_EQ(read_saved_plan(titled, "straight")->field.approach.title, "Long one") << "as it is called now";
         EXPECT_FALSE(is_read([](Case& c) { c.approaches.front().retractor->opening_mm += 1.0; }));
         EXPECT_FALSE(is_read([](Case& c) { c.approaches.front().incision.front().z() += 1e-6; }));
         EXPECT_FALSE(is_read([](Case& c) { c.approaches.front().sizing.mesh_seed = 1; }));

@@ -362,12 +362,16 @@ namespace approach_editor_test {
 
     TEST_F(ApproachEditorTest, ANewNameLeavesTheRestAsItIs)
     {
+        const std::string name = window_.model()->approach(0).name;
+        const std::size_t id = window_.model()->id(0);
         press(Qt::Key_E);
         ASSERT_NE(dialog(), nullptr);
         EXPECT_TRUE(dialog()->keeps_opening());
         dialog()->findChild<QLineEdit*>("name")->setText("second thoughts");
         accept_dialog();
-        EXPECT_EQ(window_.model()->approach(0).name, "second thoughts");
+        EXPECT_EQ(window_.model()->approach(0).title, "second thoughts");
+        EXPECT_EQ(window_.model()->approach(0).name, name) << "the plan, the choice and the cuts are found by it";
+        EXPECT_EQ(window_.model()->id(0), id) << "the plan stays";
         EXPECT_EQ(window_.model()->approach(0).target.label, "target");
         EXPECT_EQ(window_.model()->approach(0).depth_mm, 20.0);
     }

@@ -135,6 +135,35 @@ namespace session_model_test {
         EXPECT_FALSE(model.edit_to_redo());
     }
 
+    TEST(SessionModel, ARenamedApproachKeepsItsPlan)
+    {
+        SessionModel model(three_approaches());
+        model.select(1);
+        model.request_plan(1);
+        model.begin_plan();
+        FieldPictures field = field_of("lateral");
+        field.surgeon.title = "lateral: through the incision";
+        model.plan_done(field);
+        const ShownSource before = model.shown_source();
+        const auto title = [&] { return model.shown_scenes().back().title; };
+        model.rename_approach(1, "Long one");
+        EXPECT_EQ(model.approach(1).name, "lateral") << "files and decisions are found by it";
+        EXPECT_EQ(model.state(1).status, FieldStatus::planned);
+        EXPECT_FALSE(model.shown_source() == before) << "the picture bears the name";
+        EXPECT_EQ(title(), "Long one: through the incision");
+        EXPECT_EQ(model.edit_to_undo(), "rename lateral");
+        model.undo_edit();
+        EXPECT_EQ(title(), "lateral: through the incision");
+        model.redo_edit();
+        EXPECT_EQ(title(), "Long one: through the incision");
+        for (const char* taken : { "Long one", "median" })
+            EXPECT_THROW(model.rename_approach(2, taken), InputError) << taken;
+        EXPECT_THROW(model.rename_approach(2, "two\nlines"), InputError);
+        EXPECT_EQ(model.edit_to_undo(), "rename lateral");
+        model.rename_approach(1, "");
+        EXPECT_EQ(title(), "lateral: through the incision");
+    }
+
     TEST(SessionModel, ARefusedEditChangesNothing)
     {
         SessionModel model(three_approaches());

@@ -144,6 +144,7 @@ namespace {
     /// Says in the rationale where the incision comes from.
     void say_origin(Approach& neighbour, const Approach& approach, const std::string& where)
     {
+        neighbour.title.clear(); // it is of the approach beside it
         std::string& why = neighbour.rationale;
         if (why.starts_with(kMovedByHand))
             why.erase(0, kMovedByHand.size());

@@ -154,15 +154,11 @@ void add_approach(Case& planned_case, Approach approach)
 {
     const std::string where = "/approaches/" + std::to_string(planned_case.approaches.size());
     check_approach_in_case(planned_case, approach, where);
-    for (const Approach& other : planned_case.approaches) {
+    for (const Approach& other : planned_case.approaches)
         if (other.name == approach.name)
             throw InputError(
                 "there is already an approach \"" + approach.name + "\": remove it first or give another name",
                 where + "/name");
-        if (!approach.title.empty() && other.title == approach.title)
-            throw InputError(
-                "another approach is called \"" + approach.title + "\": give another title", where + "/title");
-    }
     planned_case.approaches.push_back(std::move(approach));
 }
 

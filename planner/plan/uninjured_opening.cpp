@@ -100,6 +100,7 @@ std::optional<Approach> with_divided_bone(const Approach& approach, const Planne
         return std::nullopt;
     const BoneMetrics& bone = field.metrics.bones.front();
     Approach divided = approach;
+    divided.title.clear(); // it is of the approach that leaves the bone whole
     divided.name += " (" + bone.name + " divided)";
     divided.sizing = field.approach.sizing;
     divided.ablations.push_back({ .label = bone.name, .centre = bone.place, .radius_mm = height_of(bone.section_mm2) });

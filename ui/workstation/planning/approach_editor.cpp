@@ -329,6 +329,8 @@ void ApproachEditor::change_opening()
             if (!selected || model_->id(*selected) != id)
                 return;
             const QString name = QString::fromStdString(planner::spoken_name(changed_approach));
+            planner::Case titled = model_->planned_case();
+            planner::set_title(titled, changed_approach.name, changed_approach.title); // or it is refused
             if (gives_the_same_plan(model_->planned_case(), changed_approach)) {
                 if (changed_approach.title == model_->approach(*selected).title)
                     return on_message("Nothing was changed.");
@@ -405,6 +407,7 @@ void ApproachEditor::duplicate()
         return;
     planner::Approach copy = model_->approach(*model_->selected());
     copy.name = planner::free_approach_name(model_->planned_case(), copy.name);
+    copy.title.clear(); // it is the other's
     const QString name = QString::fromStdString(planner::spoken_name(copy));
     try {
         model_->add_approach(std::move(copy));

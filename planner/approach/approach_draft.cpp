@@ -266,13 +266,13 @@ std::string spoken_name(const Approach& approach)
 void set_title(Case& planned_case, std::string_view name, const std::string& title)
 {
     Approach& approach = find_approach(planned_case, name);
-    const std::string where = "/approaches/" + std::to_string(&approach - planned_case.approaches.data()) + "/title";
+    const std::string where = "/approaches/" + std::to_string(&approach - planned_case.approaches.data());
     Approach titled = approach;
     titled.title = title;
     for (const Approach& other : planned_case.approaches)
         if (&other != &approach && spoken_name(other) == spoken_name(titled) && !title.empty())
-            throw InputError("another approach is called \"" + title + "\": give another title", where);
-    check_approach(titled, where.substr(0, where.rfind('/')));
+            throw InputError("another approach is called \"" + title + "\": give another title", where + "/title");
+    check_approach(titled, where);
     approach = std::move(titled);
 }
 

@@ -390,6 +390,8 @@ void check_approach(const Approach& approach, const std::string& pointer)
     for (const char c : approach.title)
         if (static_cast<unsigned char>(c) < 0x20)
             refuse("a title must not hold control characters", pointer + "/title");
+    if (!approach.title.empty() && approach.title.find_first_not_of(' ') == std::string::npos)
+        refuse("a title must not be blank", pointer + "/title");
     check_line(approach, pointer);
     check_positive(approach.depth_mm, pointer + "/depth_mm");
     check_profile(approach.wall_thickness_mm, approach.incision.size(), pointer + "/wall_thickness_mm");

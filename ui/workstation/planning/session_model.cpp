@@ -463,9 +463,10 @@ ShownSource SessionModel::shown_source() const
     const bool opened = state.field != nullptr && (show_opened_ || state.closed == nullptr);
     if (shown_view() == ViewPreset::compare) {
         ShownSource source { .pictures = nullptr, .opened = true, .view = view_, .approach = std::nullopt };
-        for (const std::size_t index : compared())
-            source.compared.push_back(this->state(index).field),
-                source.name += planner::spoken_name(approach(index)) + "\n";
+        for (const std::size_t index : compared()) {
+            source.compared.push_back(this->state(index).field);
+            source.name += planner::spoken_name(approach(index)) + "\n";
+        }
         source.pictures = source.compared.front();
         source.alone = alone_;
         source.map = map_;

@@ -180,8 +180,7 @@ public:
     /// comparison two planned approaches.
     bool view_available(ViewPreset view) const;
 
-    /// The planned approaches, by index. Drafts are not among them: they are compared with nothing, and go into no
-    /// file.
+    /// The planned approaches, by index. Drafts are not among them: they are compared with nothing, and go into no file.
     std::vector<std::size_t> planned() const;
     /// Those of them that stand side by side; see planner::compared_approaches().
     std::vector<std::size_t> compared() const;

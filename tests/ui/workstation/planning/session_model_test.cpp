@@ -158,7 +158,8 @@ namespace session_model_test {
         EXPECT_EQ(title(), "Long one: through the incision");
         for (const char* taken : { "Long one", "median" })
             EXPECT_THROW(model.rename_approach(2, taken), InputError) << taken;
-        EXPECT_THROW(model.rename_approach(2, "two\nlines"), InputError);
+        for (const char* unreadable : { "two\nlines", "  " })
+            EXPECT_THROW(model.rename_approach(2, unreadable), InputError);
         EXPECT_EQ(model.edit_to_undo(), "rename lateral");
         model.rename_approach(1, "");
         EXPECT_EQ(title(), "lateral: through the incision");

@@ -140,7 +140,7 @@ TEST_F(CommandLine, ACaseFileMayHaveAnyName)
     EXPECT_EQ(run("approach rename " + second + " --name straight --title Long").exit_code, 0);
     EXPECT_NE(run("approach list " + second).out.find("called Long"), std::string::npos);
     EXPECT_EQ(run("approach rename " + second + " --name nobody --title Long").exit_code, 2);
-    EXPECT_EQ(run("approach rename " + second + " --name straight --title=").exit_code, 0);
+    EXPECT_EQ(run("approach rename " + second + " --name straight --title ''").exit_code, 0);
     EXPECT_EQ(run("approach list " + second).out.find("called"), std::string::npos);
     // And everything that opens a case opens this one.
     EXPECT_EQ(run("mesh " + second + " --approach straight --out " + out("named_mesh")).exit_code, 0);

@@ -1226,7 +1226,11 @@ void MainWindow::show_picture()
     const std::shared_ptr<const Scene> by_hand = knife_->scene();
     ShownSource source = model_->shown_source();
     if (by_hand != nullptr)
-        source = { .pictures = by_hand, .opened = false, .view = model_->view(), .approach = model_->selected() };
+        source = { .pictures = by_hand,
+            .opened = false,
+            .view = model_->view(),
+            .approach = model_->selected(),
+            .name = source.name };
     view_->show_note(
         source.pictures == nullptr && closed_running_ > 0 ? "Reading the patient …" : knife_->waiting_for());
     if (source == shown_)
@@ -1431,6 +1435,7 @@ void MainWindow::show_again(const std::function<bool(const Scene&)>& which)
 Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& source) const
 {
     Scene scene = surroundings;
+    model_->put_present_name(scene);
     scene.lines.clear(); // the tool draws the planned incision until hooks hold the wound open
     const bool in_space = view_->scenes().size() == 1 && view_->scenes().front().slices.empty();
     if (in_space && shown_.pictures != nullptr && shown_.view == source.view && shown_.approach == source.approach)

@@ -180,7 +180,8 @@ public:
     /// comparison two planned approaches.
     bool view_available(ViewPreset view) const;
 
-    /// The planned approaches, by index. Drafts are not among them: they are compared with nothing, and go into no file.
+    /// The planned approaches, by index. Drafts are not among them: they are compared with nothing, and go into no
+    /// file.
     std::vector<std::size_t> planned() const;
     /// Those of them that stand side by side; see planner::compared_approaches().
     std::vector<std::size_t> compared() const;
@@ -305,11 +306,11 @@ public:
     /// The scenes to draw now; empty while the first picture is being made. Slices give four scenes: the three planes
     /// and the overview.
     std::vector<Scene> shown_scenes() const;
+    /// Puts the selected approach's name into the title of a picture that was made before the approach was renamed.
+    void put_present_name(Scene& scene) const;
 
 private:
     std::vector<Scene> unmeasured_scenes() const;
-    /// In the title of a picture that was made before the approach was renamed.
-    void put_present_name(Scene& scene) const;
     /// A scene in space with the look of the wall, the cut and the mark.
     Scene looked_into(Scene scene) const;
     /// A slice as grey window and look of labels want it.

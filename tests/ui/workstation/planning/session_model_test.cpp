@@ -151,6 +151,9 @@ namespace session_model_test {
         EXPECT_EQ(model.state(1).status, FieldStatus::planned);
         EXPECT_FALSE(model.shown_source() == before) << "the picture bears the name";
         EXPECT_EQ(title(), "Long one: through the incision");
+        Scene by_hand { .title = "lateral: by hand" };
+        model.put_present_name(by_hand);
+        EXPECT_EQ(by_hand.title, "Long one: by hand") << "the knife's picture";
         EXPECT_EQ(model.edit_to_undo(), "rename lateral");
         model.undo_edit();
         EXPECT_EQ(title(), "lateral: through the incision");

@@ -249,6 +249,10 @@ double PictureView::pixel_ratio() const
 
 void PictureView::set_pixel_ratio(double ratio)
 {
+    // The letters are sized in pixels of the picture. VTK's widget would enlarge them by the ratio once more.
+    constexpr int kLetterDpi = 72; // VTK's own, at which a font's size is its height in pixels
+    setUnscaledDPI(static_cast<int>(std::lround(kLetterDpi / ratio)));
+    drawn_->window->SetDPI(kLetterDpi);
     const double before = effectiveDevicePixelRatio();
     if (ratio == before)
         return;

@@ -8,7 +8,8 @@ namespace rm = retractor::mesh;
 int main()
 {
     rm::CutSession session(rm::kuhn_box(8, 8, 24, 2.5)); // 20 x 20 x 60 mm, one corner at the origin
-    // Across the bar at half its height, 10 mm deep from the face x = 0.
+    // Across the bar, 1 mm above the middle of its height and so between the mesh's layers; 10 mm deep from the
+    // face x = 0.
     const rm::Blade blade { .line = { { 0.0, -5.0, 31.0 }, { 0.0, 25.0, 31.0 } },
         .directions = { retractor::Vec3::UnitX() },
         .depth_mm = 10.0 };

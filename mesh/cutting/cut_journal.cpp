@@ -14,9 +14,11 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -389,19 +391,6 @@ namespace {
         std::size_t size_ = 0;
     };
 
-    /// The witness of a session that writes a journal. Copies share the file.
-    struct JournalWriter {
-        std::shared_ptr<JournalFile> file;
-        std::shared_ptr<Progress> progress;
-
-        void operator()(const CutEvent& event) const
-        {
-            Progress next = *progress;
-            file->append(operation_line(event, next));
-            *progress = std::move(next);
-        }
-    };
-
     // ---- reading and replaying -------------------------------------------------------------------------------------
 
     struct Lines {
@@ -555,6 +544,107 @@ namespace {
 
 } // namespace
 
+/// A journal that is being written. The copies of a session share it.
+struct Journal {
+    std::filesystem::path path;
+    std::unique_ptr<JournalFile> file; ///< null: not begun yet
+    Progress progress;
+    std::string waiting {}; ///< lines that are not on the disk
+    std::string reason {}; ///< see WaitingLines
+    bool in_folder = false; ///< the folder's entry of the file is on the disk
+
+    /// Writes what waits. @throws IoError: nothing is lost
+    void write()
+    {
+        if (file == nullptr) {
+            std::error_code ignored; // opening the file gives the reason
+            std::filesystem::create_directories(path.parent_path(), ignored);
+            file = std::make_unique<JournalFile>(path, O_WRONLY | O_CREAT | O_EXCL);
+        }
+        file->append(waiting);
+        waiting.clear();
+        if (!std::exchange(in_folder, true))
+            file->sync_folder();
+    }
+    /// The same. @return whether it is written; if not, `reason` says why
+    bool try_to_write()
+    {
+        try {
+            write();
+            reason.clear();
+        } catch (const IoError&) {
+            reason = to_string(current_failure());
+        }
+        return waiting.empty();
+    }
+};
+
+namespace {
+
+    /// The witnesses of sessions. The strict one refuses an operation that it cannot write.
+    CutWitness strict_witness(std::shared_ptr<Journal> journal)
+    {
+        return [journal = std::move(journal)](const CutEvent& event) {
+            Progress next = journal->progress;
+            journal->file->append(operation_line(event, next));
+            journal->progress = std::move(next);
+        };
+    }
+
+    CutWitness patient_witness(std::shared_ptr<Journal> journal)
+    {
+        return [journal = std::move(journal)](const CutEvent& event) {
+            journal->waiting += operation_line(event, journal->progress);
+            journal->try_to_write();
+        };
+    }
+
+    using MakeWitness = CutWitness (*)(std::shared_ptr<Journal>);
+
+    /// @param journal set to the journal when the replay is done
+    ReplayedJournal reopened(const std::filesystem::path& path, TetMesh mesh, MakeWitness witness,
+        std::shared_ptr<Journal>& journal, const Job& job)
+    {
+        auto file = std::make_unique<JournalFile>(path, O_WRONLY);
+        Replay replay(path, std::move(mesh));
+        ReplayedJournal replayed = replay.run(job);
+        if (replayed.status != CutStatus::done)
+            return replayed;
+        file->truncate(replay.whole());
+        journal = std::make_shared<Journal>(
+            Journal { .path = path, .file = std::move(file), .progress = replay.progress(), .in_folder = true });
+        replayed.session.set_witness(witness(journal));
+        return replayed;
+    }
+
+    /// A journal whose first line waits.
+    std::shared_ptr<Journal> new_journal(const std::filesystem::path& path, const TetMesh& mesh)
+    {
+        auto journal = std::make_shared<Journal>(Journal { .path = path, .file = nullptr, .progress = {} });
+        journal->waiting = finished_line(head_of(mesh), journal->progress);
+        return journal;
+    }
+
+} // namespace
+
+/// Sets the journal of lines that wait.
+class JournalAccess {
+public:
+    static void set(WaitingLines& lines, const std::shared_ptr<Journal>& journal) { lines.journal_ = journal; }
+};
+
+std::string WaitingLines::reason() const
+{
+    const std::shared_ptr<Journal> journal = journal_.lock();
+    return journal != nullptr ? journal->reason : std::string();
+}
+
+bool WaitingLines::write()
+{
+    const std::shared_ptr<Journal> journal = journal_.lock();
+    return journal == nullptr || journal->try_to_write();
+}
+
 std::uint64_t mesh_checksum(const TetMesh& mesh)
 {
     Digest digest;
@@ -571,13 +661,23 @@ std::uint64_t mesh_checksum(const TetMesh& mesh)
 
 CutSession start_journal(const std::filesystem::path& path, TetMesh mesh)
 {
-    const Json head = head_of(mesh);
+    const std::shared_ptr<Journal> journal = new_journal(path, mesh);
     CutSession session(std::move(mesh));
-    auto progress = std::make_shared<Progress>();
-    auto file = std::make_shared<JournalFile>(path, O_WRONLY | O_CREAT | O_EXCL);
-    file->append(finished_line(head, *progress));
-    file->sync_folder();
-    session.set_witness(JournalWriter { std::move(file), std::move(progress) });
+    journal->file = std::make_unique<JournalFile>(path, O_WRONLY | O_CREAT | O_EXCL);
+    journal->write();
+    session.set_witness(strict_witness(journal));
+    return session;
+}
+
+CutSession start_patient_journal(const std::filesystem::path& path, TetMesh mesh, WaitingLines& waiting)
+{
+    if (std::filesystem::exists(path))
+        throw IoError("there is a journal of this name already", path.string());
+    const std::shared_ptr<Journal> journal = new_journal(path, mesh);
+    CutSession session(std::move(mesh));
+    journal->try_to_write();
+    session.set_witness(patient_witness(journal));
+    JournalAccess::set(waiting, journal);
     return session;
 }
 
@@ -588,13 +688,16 @@ ReplayedJournal replay_journal(const std::filesystem::path& path, TetMesh mesh, 
 
 ReplayedJournal open_journal(const std::filesystem::path& path, TetMesh mesh, const Job& job)
 {
-    auto file = std::make_shared<JournalFile>(path, O_WRONLY);
-    Replay replay(path, std::move(mesh));
-    ReplayedJournal replayed = replay.run(job);
-    if (replayed.status != CutStatus::done)
-        return replayed;
-    file->truncate(replay.whole());
-    replayed.session.set_witness(JournalWriter { std::move(file), std::make_shared<Progress>(replay.progress()) });
+    std::shared_ptr<Journal> journal;
+    return reopened(path, std::move(mesh), strict_witness, journal, job);
+}
+
+ReplayedJournal open_patient_journal(
+    const std::filesystem::path& path, TetMesh mesh, WaitingLines& waiting, const Job& job)
+{
+    std::shared_ptr<Journal> journal;
+    ReplayedJournal replayed = reopened(path, std::move(mesh), patient_witness, journal, job);
+    JournalAccess::set(waiting, journal);
     return replayed;
 }
 

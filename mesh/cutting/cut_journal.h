@@ -23,6 +23,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 
 namespace retractor::mesh {
@@ -39,6 +40,20 @@ std::uint64_t mesh_checksum(const TetMesh& mesh);
 /// @throws InputError as CutSession; IoError when the file exists already or cannot be written
 CutSession start_journal(const std::filesystem::path& path, TetMesh mesh);
 
+/// The lines of a journal that the disk has refused. They wait in memory, in order, while the session goes on; each
+/// further operation tries to write them. A crash loses them. For the session's thread only.
+class WaitingLines {
+public:
+    /// Why lines wait, for people; empty: every line is on the disk, or the session has gone.
+    std::string reason() const;
+    /// Tries to write them now. @return whether every line is on the disk
+    bool write();
+
+private:
+    friend class JournalAccess;
+    std::weak_ptr<struct Journal> journal_; ///< of the session
+};
+
 struct [[nodiscard]] ReplayedJournal {
     CutStatus status = CutStatus::done; ///< done or cancelled
     CutSession session; ///< after cancellation: holds a part of the operations and writes no journal
@@ -52,6 +67,14 @@ struct [[nodiscard]] ReplayedJournal {
 /// line ("cuts.jsonl:7") when the file is no journal, is damaged, belongs to another version or another mesh, or when
 /// an operation has another result than before
 ReplayedJournal open_journal(const std::filesystem::path& path, TetMesh mesh, const Job& job = {});
+
+/// The same two, for a session that must not stop when a disk is full or a folder may not be written: the operations
+/// are kept, and their lines wait. A new journal may wait from the beginning. Its folder is made when it is missing.
+/// @param waiting set to the lines of this journal
+/// @throws IoError as the other two, except for a new journal only when its file exists already
+CutSession start_patient_journal(const std::filesystem::path& path, TetMesh mesh, WaitingLines& waiting);
+ReplayedJournal open_patient_journal(
+    const std::filesystem::path& path, TetMesh mesh, WaitingLines& waiting, const Job& job = {});
 
 /// The same without writing: the file is not changed and may be read-only.
 ReplayedJournal replay_journal(const std::filesystem::path& path, TetMesh mesh, const Job& job = {});

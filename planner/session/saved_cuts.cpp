@@ -1,7 +1,6 @@
 #include "planner/session/saved_cuts.h"
 
 #include "mesh/base/error.h"
-#include "mesh/cutting/cut_journal.h"
 #include "planner/case/approach_file.h"
 #include "planner/case/case.h"
 
@@ -37,9 +36,11 @@ SavedCuts read_saved_cuts(const std::filesystem::path& journal, const mesh::TetM
     return kept;
 }
 
-SurgerySession restored_session(SurgerySetup setup, const SavedCuts& kept, const Job& job)
+SurgerySession restored_session(SurgerySetup setup, const SavedCuts& kept, const Job& job, mesh::WaitingLines* waiting)
 {
-    mesh::ReplayedJournal opened = mesh::open_journal(setup.journal, setup.wall, job);
+    mesh::WaitingLines untold;
+    mesh::ReplayedJournal opened
+        = mesh::open_patient_journal(setup.journal, setup.wall, waiting != nullptr ? *waiting : untold, job);
     if (opened.status == mesh::CutStatus::cancelled)
         throw InputError("reading the kept cuts was cancelled", setup.journal.string());
     if (opened.session.stroke_open())
@@ -47,13 +48,11 @@ SurgerySession restored_session(SurgerySetup setup, const SavedCuts& kept, const
     return SurgerySession(std::move(setup), std::move(opened.session), kept.deltas, job);
 }
 
-SurgerySession new_session(SurgerySetup setup, const Job& job)
+SurgerySession new_session(SurgerySetup setup, const Job& job, mesh::WaitingLines* waiting)
 {
-    std::error_code error;
-    std::filesystem::create_directories(setup.journal.parent_path(), error);
-    if (error)
-        throw IoError("the folder for cuts cannot be made: " + error.message(), setup.journal.parent_path().string());
-    mesh::CutSession session = mesh::start_journal(setup.journal, setup.wall);
+    mesh::WaitingLines untold;
+    mesh::CutSession session
+        = mesh::start_patient_journal(setup.journal, setup.wall, waiting != nullptr ? *waiting : untold);
     return SurgerySession(std::move(setup), std::move(session), {}, job);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Freehand cuts on disk beside a case, in one journal per approach, and their restoration in a later session.
 
+#include "mesh/cutting/cut_journal.h"
 #include "planner/session/surgery_session.h"
 
 #include <filesystem>
@@ -25,10 +26,14 @@ struct SavedCuts {
 /// @throws IoError; InputError when the journal is damaged or belongs to another wall
 SavedCuts read_saved_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job = {});
 
-/// A session with the saved cuts that continues their journal. @throws as read_saved_cuts()
-SurgerySession restored_session(SurgerySetup setup, const SavedCuts& kept, const Job& job = {});
-/// A session without cuts and with a new journal. @throws IoError when a journal exists already, or none can be written
-SurgerySession new_session(SurgerySetup setup, const Job& job = {});
+/// A session with the saved cuts that continues their journal. Later cuts wait for a disk that is full.
+/// @param waiting set to what waits; null: not told
+/// @throws as read_saved_cuts()
+SurgerySession restored_session(
+    SurgerySetup setup, const SavedCuts& kept, const Job& job = {}, mesh::WaitingLines* waiting = nullptr);
+/// A session without cuts and with a new journal. When no journal can be written, the cuts wait.
+/// @param waiting set to what waits; null: not told
+SurgerySession new_session(SurgerySetup setup, const Job& job = {}, mesh::WaitingLines* waiting = nullptr);
 
 /// Renames the journal within its folder by appending .1, .2, ..., so that nothing is lost.
 /// @return the new path

@@ -90,6 +90,8 @@ namespace surgery {
     };
     struct TakeOffHooks { };
 
+    /// Tries again to write the cuts that wait for the disk; see SurgerySnapshot::cuts_not_saved.
+    struct SaveCuts { };
     /// Writes the cut wall at rest by SurgerySetup::write_wall, with a message. Refused while a stroke is open.
     struct ExportWall {
         std::filesystem::path path {};
@@ -98,7 +100,7 @@ namespace surgery {
     using Command = std::variant<BeginStroke, DrawTo, LeaveWall, FinishStroke, AbandonStroke, CutAsPlanned,
         DivideBeyondCut, TakeOut, Undo, Redo, GoTo, SetTension, PlaceHook, PlaceRetractor, Crank, TakePlannedHooks,
         PullHook, PullAllHooks, PullHooksByShare, SetPlannedForce, SetYield, SetNonlinear, TakeOffHook, TakeOffHooks,
-        ExportWall>;
+        SaveCuts, ExportWall>;
 
 } // namespace surgery
 } // namespace retractor::planner

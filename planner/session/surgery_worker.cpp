@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <exception>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -30,6 +31,14 @@ namespace {
         const bool of_all = std::holds_alternative<surgery::PullAllHooks>(command)
             || std::holds_alternative<surgery::PullHooksByShare>(command);
         return of_all ? "all hooks" : "";
+    }
+
+    /// A full disk leaves a journal without a line: there is nothing to keep.
+    void drop_empty(const std::filesystem::path& journal)
+    {
+        std::error_code error;
+        if (std::filesystem::file_size(journal, error) == 0 && !error)
+            std::filesystem::remove(journal, error);
     }
 
 } // namespace
@@ -123,6 +132,12 @@ struct SurgeryWorker::Runner {
     void operator()(const surgery::TakeOffHook& c) const { live_session.take_off_hook(c.hook); }
     void operator()(const surgery::TakeOffHooks&) const { live_session.take_off_hooks(); }
 
+    KnifeAnswer operator()(const surgery::SaveCuts&) const
+    {
+        if (!worker.waiting_.write() || !worker.not_kept_.empty())
+            return { false, "The cuts are still not saved: " + worker.why_not_saved() };
+        return { true, "The cuts are saved" };
+    }
     KnifeAnswer operator()(const surgery::ExportWall& c) const
     {
         if (live_session.stroke_open())
@@ -245,6 +260,8 @@ void SurgeryWorker::add_status(const std::string& more)
     });
 }
 
+std::string SurgeryWorker::why_not_saved() const { return not_kept_.empty() ? waiting_.reason() : not_kept_; }
+
 void SurgeryWorker::publish(SurgerySession& live_session)
 {
     const Stopwatch watch;
@@ -256,6 +273,7 @@ void SurgeryWorker::publish(SurgerySession& live_session)
             next.picture_ms = picture_ms;
         next.picture = picture;
         next.cuts = live_session.cuts();
+        next.cuts_not_saved = why_not_saved();
         next.to_undo = live_session.step_to_undo();
         next.to_redo = live_session.step_to_redo();
         next.stroke_open = live_session.stroke_open();
@@ -304,6 +322,7 @@ std::unique_ptr<SurgerySession> SurgeryWorker::start_session(
     if (setup.journal.empty())
         return std::make_unique<SurgerySession>(std::move(setup), job);
     try {
+        drop_empty(setup.journal);
         if (std::filesystem::exists(setup.journal)) {
             try {
                 if (!kept)
@@ -315,7 +334,7 @@ std::unique_ptr<SurgerySession> SurgeryWorker::start_session(
                 if (wanted.value_or(true)) {
                     if (!kept->note.empty())
                         set_status(kept->note, false);
-                    return std::make_unique<SurgerySession>(restored_session(setup, *kept, job));
+                    return std::make_unique<SurgerySession>(restored_session(setup, *kept, job, &waiting_));
                 }
                 const std::filesystem::path other = set_aside(setup.journal);
                 set_status("The former cuts are set aside in " + other.string(), false);
@@ -328,9 +347,10 @@ std::unique_ptr<SurgerySession> SurgeryWorker::start_session(
                     true);
             }
         }
-        return std::make_unique<SurgerySession>(new_session(setup, job));
+        return std::make_unique<SurgerySession>(new_session(setup, job, &waiting_));
     } catch (const IoError&) {
-        set_status("cuts are not kept on disk: " + to_string(current_failure()), true);
+        not_kept_ = to_string(current_failure());
+        set_status("cuts are not kept on disk: " + not_kept_, true);
         return std::make_unique<SurgerySession>(std::move(setup), job);
     }
 }

@@ -46,6 +46,7 @@ struct SurgerySnapshot {
     std::shared_ptr<const std::vector<EdgePlace>> outline;
     std::shared_ptr<const WallPicture> picture;
     std::vector<CutEntry> cuts;
+    std::string cuts_not_saved; ///< why the cuts are not on the disk; empty: they are, or nothing keeps them
     std::string to_undo, to_redo; ///< the step of Undo and Redo, as SurgerySession::step_to_undo(); empty: none
     bool stroke_open = false;
     std::size_t refused_stroke = 0; ///< number of the last stroke when it could not be begun; 0: the stroke was begun
@@ -94,6 +95,7 @@ private:
     template <class Change> void change_snapshot(const Change& change);
     void set_status(std::string answer, bool refused);
     void add_status(const std::string& more); ///< appends to the last message
+    std::string why_not_saved() const; ///< see SurgerySnapshot::cuts_not_saved
     void publish(SurgerySession& live_session);
     void announce();
     void prepare_session(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job);
@@ -119,6 +121,8 @@ private:
     };
     std::optional<Question> question_; ///< none: not asked, or answered already
     std::string caution_; ///< caution of the setup
+    mesh::WaitingLines waiting_; ///< cuts of the session that wait for the disk
+    std::string not_kept_; ///< why the session has no journal; empty: it has one, or needs none
     std::function<void(const std::filesystem::path&, const mesh::TetMesh&)> write_wall_; ///< of the setup
     std::unique_ptr<SurgerySession> live_session_; ///< null: being prepared, or failed
     std::size_t refused_stroke_ = 0; ///< see SurgerySnapshot

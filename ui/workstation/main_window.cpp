@@ -137,6 +137,12 @@ bool MainWindow::may_leave_case(const QString& question)
         && !may_lose(
             question, "A search for an incision is running. If you close now, its result is lost.", "Go on searching"))
         return false;
+    if (knife_->would_lose_cuts()
+        && !may_lose(question,
+            QString::fromStdString(
+                "The cuts by hand are not saved. If you close now, they are lost. " + knife_->cuts_not_saved()),
+            "Go back"))
+        return false;
     return not_saved_.empty()
         || may_lose(question,
             QString::fromStdString(
@@ -219,6 +225,9 @@ void MainWindow::make_panes()
     panes->setStretchFactor(2, 0);
     not_saved_banner_ = new Banner("#7a2a2a");
     not_saved_banner_->on_button = [this] { save_case(changed_by_others_); };
+    cuts_banner_ = new Banner("#7a2a2a");
+    cuts_banner_->setObjectName("cuts not saved");
+    cuts_banner_->on_button = [this] { knife_->save_cuts(); };
     looking_banner_ = new Banner("#2a4a6a");
     looking_banner_->on_button = [this] { open_file(model_->planned_case().file()); };
     auto* page = new QWidget;
@@ -226,6 +235,7 @@ void MainWindow::make_panes()
     column->setContentsMargins(0, 0, 0, 0);
     column->setSpacing(0);
     column->addWidget(not_saved_banner_);
+    column->addWidget(cuts_banner_);
     column->addWidget(looking_banner_);
     column->addWidget(panes, 1);
     conference_bar_ = new StepBar;
@@ -557,6 +567,12 @@ void MainWindow::set_knife(KnifeMode mode)
 
 void MainWindow::show_knife()
 {
+    const std::string reason = knife_->cuts_not_saved();
+    cuts_banner_->say(reason.empty()
+            ? QString()
+            : QString::fromStdString(
+                "Cuts by hand cannot be saved now, and are lost when the window is closed. " + reason),
+        "Try again");
     if (model_ && model_->selected() && knife_tab_open() && !only_looks()) {
         const std::size_t index = *model_->selected();
         knife_->set_up(

@@ -329,6 +329,7 @@ private:
     QStackedWidget* pages_ = nullptr;
     StartPage* start_page_ = nullptr;
     Banner* not_saved_banner_ = nullptr;
+    Banner* cuts_banner_ = nullptr; ///< while cuts by hand cannot be saved
     Banner* looking_banner_ = nullptr; ///< while another window changes the case
     std::unique_ptr<CaseLock> lock_; ///< of the open case; null: it has no file
     bool changed_by_others_ = false; ///< the case is not saved, because another program has changed it

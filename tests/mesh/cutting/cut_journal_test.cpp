@@ -452,6 +452,49 @@ namespace cut_journal_test {
         EXPECT_EQ(replay_journal(path_, body()).operations, 0u);
     }
 
+    TEST_F(CutJournal, LinesWaitWhileTheDiskIsFull)
+    {
+        const ::pid_t child = ::fork(); // as above
+        ASSERT_GE(child, 0);
+        if (child == 0) {
+            static_cast<void>(::signal(SIGXFSZ, SIG_IGN));
+            const auto allow = [](::rlim_t bytes) {
+                const ::rlimit limit { bytes, RLIM_INFINITY };
+                if (::setrlimit(RLIMIT_FSIZE, &limit) != 0)
+                    ::_exit(2);
+            };
+            const auto cut = [](CutSession& session, double y) {
+                const Blade blade {
+                    .line = { { 2.1, y, 9 }, { 9.4, y + 0.9, 9 } }, .directions = { { 0, 0.2, -1 } }, .depth_mm = 4
+                };
+                if (session.cut(blade).status != CutStatus::done)
+                    ::_exit(5);
+            };
+            WaitingLines waiting;
+            allow(0); // full from the beginning, then in the middle
+            CutSession session = start_patient_journal(path_, body(), waiting);
+            cut(session, 2.3);
+            if (waiting.reason().empty() || fs::file_size(path_) != 0)
+                ::_exit(3);
+            allow(RLIM_INFINITY);
+            if (!waiting.write() || !waiting.reason().empty())
+                ::_exit(4);
+            const std::size_t size = fs::file_size(path_);
+            allow(size + 40); // a part of the next line still fits
+            cut(session, 6.3);
+            if (waiting.reason().empty() || fs::file_size(path_) != size)
+                ::_exit(6);
+            allow(RLIM_INFINITY);
+            cut(session, 10.3); // writes what waits
+            ::_exit(waiting.reason().empty() ? 0 : 7);
+        }
+        int status = 0;
+        ASSERT_EQ(::waitpid(child, &status, 0), child);
+        ASSERT_TRUE(WIFEXITED(status));
+        EXPECT_EQ(WEXITSTATUS(status), 0);
+        EXPECT_EQ(replay_journal(path_, body()).operations, 3u);
+    }
+
     TEST_F(CutJournal, ACancelledReplaySaysSo)
     {
         {

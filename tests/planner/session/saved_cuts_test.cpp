@@ -278,6 +278,41 @@ namespace saved_cuts_test {
         }
     }
 
+    TEST_F(SavedCutsTest, CutsWaitForADiskThatRefusesThem)
+    {
+        fs::create_directories(folder_);
+        const fs::path in_the_way = journal().parent_path(); // a file where the folder must be
+        std::ofstream(in_the_way) << "a file\n";
+        {
+            SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
+            const SurgerySnapshot before = settled(worker);
+            EXPECT_NE(before.cuts_not_saved, "");
+            const auto stroke = [&](double z) {
+                worker.run(surgery::BeginStroke { *touch(*before.picture, ray_down(20.0, z)) });
+                for (double x = 24.0; x <= 80.0; x += 4.0)
+                    worker.run(surgery::DrawTo { *touch(*before.picture, ray_down(x, z)) });
+                worker.run(surgery::FinishStroke {});
+                return settled(worker);
+            };
+            EXPECT_EQ(stroke(62.0).cuts.size(), 1U) << "the knife goes on";
+            worker.run(surgery::SaveCuts {});
+            const SurgerySnapshot refused = settled(worker);
+            EXPECT_TRUE(refused.refused);
+            EXPECT_NE(refused.cuts_not_saved, "");
+            fs::remove(in_the_way);
+            worker.run(surgery::SaveCuts {});
+            const SurgerySnapshot saved = settled(worker);
+            EXPECT_FALSE(saved.refused) << saved.answer;
+            EXPECT_EQ(saved.cuts_not_saved, "");
+        }
+        EXPECT_EQ(read_saved_cuts(journal(), setup().wall).deltas.size(), 1U);
+        std::ofstream(journal(), std::ios::trunc).flush(); // as a full disk leaves it: no line at all
+        SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
+        const SurgerySnapshot anew = settled(worker);
+        EXPECT_EQ(anew.phase, SurgerySnapshot::Phase::ready);
+        EXPECT_FALSE(anew.refused) << anew.answer;
+    }
+
     TEST_F(SavedCutsTest, CommandsWaitForTheAnswer)
     {
         {

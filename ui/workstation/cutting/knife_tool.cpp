@@ -346,6 +346,29 @@ QString KnifeTool::waiting_for() const
                                     .arg(static_cast<int>(100.0 * now->fraction)));
 }
 
+std::string KnifeTool::cuts_not_saved() const
+{
+    for (const auto& [approach, session] : sessions_)
+        if (session.snapshot != nullptr && !session.snapshot->cuts_not_saved.empty())
+            return session.snapshot->cuts_not_saved;
+    return {};
+}
+
+bool KnifeTool::would_lose_cuts() const
+{
+    return std::any_of(sessions_.begin(), sessions_.end(), [](const auto& entry) {
+        const auto& snapshot = entry.second.snapshot;
+        return snapshot != nullptr && !snapshot->cuts_not_saved.empty() && !snapshot->cuts.empty();
+    });
+}
+
+void KnifeTool::save_cuts()
+{
+    for (const auto& [approach, session] : sessions_)
+        if (session.snapshot != nullptr && !session.snapshot->cuts_not_saved.empty())
+            session.worker->run(planner::surgery::SaveCuts {});
+}
+
 bool KnifeTool::idle() const
 {
     return sight_.idle() && std::all_of(sessions_.begin(), sessions_.end(), [](const auto& entry) {
@@ -359,9 +382,13 @@ void KnifeTool::take_snapshot(std::size_t approach)
     const auto found = sessions_.find(approach);
     if (found == sessions_.end()) // the session belongs to a case that was closed
         return;
+    const std::string not_saved = cuts_not_saved();
     found->second.snapshot = found->second.worker->snapshot();
-    if (shown_ != approach)
+    if (shown_ != approach) {
+        if (on_change && cuts_not_saved() != not_saved)
+            on_change();
         return;
+    }
     const planner::SurgerySnapshot& snapshot = *found->second.snapshot;
     if (snapshot.case_tension > 0.0 && !std::exchange(case_tension_offered_, true))
         panel_.offer_case_tension(snapshot.case_tension);

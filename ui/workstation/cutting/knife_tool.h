@@ -64,6 +64,12 @@ public:
     std::shared_ptr<const Scene> scene() const;
     /// The snapshot of the shown session; null when none is shown. Valid until the window's next event.
     const planner::SurgerySnapshot* snapshot() const;
+    /// Why cuts of a session are not on the disk; empty: all are.
+    std::string cuts_not_saved() const;
+    /// Whether there are such cuts, which are lost when the window is closed.
+    bool would_lose_cuts() const;
+    /// Tries again to save them.
+    void save_cuts();
     /// The work for which a session waits, in words; empty: none.
     QString waiting_for() const;
     /// Whether nothing is being prepared or cut.

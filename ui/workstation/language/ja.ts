@@ -832,6 +832,22 @@
         <translation>症例を閉じますか</translation>
     </message>
     <message>
+        <source>Cuts by hand cannot be saved now, and are lost when the window is closed. %1</source>
+        <translation>手で加えた切開を今は保存できません。ウィンドウを閉じると失われます。%1</translation>
+    </message>
+    <message>
+        <source>The cuts by hand are not saved. If you close now, they are lost. %1</source>
+        <translation>手で加えた切開は保存されていません。今閉じると失われます。%1</translation>
+    </message>
+    <message>
+        <source>The cuts are saved</source>
+        <translation>切開を保存しました</translation>
+    </message>
+    <message>
+        <source>The cuts are still not saved: %1</source>
+        <translation>切開はまだ保存されていません: %1</translation>
+    </message>
+    <message>
         <source>The approaches are not saved, and are lost when the window is closed. %1</source>
         <translation>アプローチは保存されていません。ウィンドウを閉じると失われます。%1</translation>
     </message>

@@ -573,6 +573,40 @@ namespace knife_window_test {
         EXPECT_TRUE(fs::exists(control_->cuts_folder / "cuts" / "median.jsonl.1")) << "set aside, not lost";
     }
 
+    TEST_F(KnifeWindowTest, CutsThatCannotBeSavedAreSaidUntilTheyAre)
+    {
+        control_->cuts_folder = picture_folder() / "refused_cuts";
+        fs::remove_all(control_->cuts_folder);
+        fs::create_directories(control_->cuts_folder);
+        const fs::path in_the_way = control_->cuts_folder / "cuts"; // a file where the folder must be
+        std::ofstream(in_the_way) << "a file\n";
+        take_knife();
+        draw(-30.0, 0.0, 30.0, 0.0);
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        auto* banner = window_->findChild<QWidget*>("cuts not saved");
+        ASSERT_NE(banner, nullptr);
+        EXPECT_TRUE(banner->isVisible());
+        EXPECT_TRUE(window_->knife().would_lose_cuts());
+        window_->save_screenshot(picture_folder() / "workstation_cuts_not_saved.png");
+        auto* again = banner->findChild<QPushButton*>();
+        QTest::mouseClick(again, Qt::LeftButton);
+        wait_until_idle();
+        EXPECT_TRUE(banner->isVisible()) << "the file is still in the way";
+        EXPECT_NE(error().find("still not saved"), std::string::npos) << error();
+        fs::remove(in_the_way);
+        QTest::mouseClick(again, Qt::LeftButton);
+        wait_until_idle();
+        EXPECT_FALSE(banner->isVisible());
+        EXPECT_FALSE(window_->knife().would_lose_cuts());
+        make_window();
+        open_synthetic();
+        press(Qt::Key_K);
+        ASSERT_TRUE(QTest::qWaitFor(
+            [&] { return window_->knife().snapshot()->phase == planner::SurgerySnapshot::Phase::asking; },
+            test_support::kPatienceMs));
+        EXPECT_EQ(snapshot().saved_cuts, 1U);
+    }
+
     TEST_F(KnifeWindowTest, AStrokeThatLeavesTheWallSaysWhatItCut)
     {
         take_knife();

@@ -24,14 +24,18 @@ namespace {
         }
     }
 
-    /// The reason in an ITK exception is its last line; the other lines are source positions.
+    /// The reason in an ITK exception is its last line; the other lines are source positions. The NRRD library puts its
+    /// own name and that of a function before it ("[nrrd] function: reason").
     std::string reason(const itk::ExceptionObject& error)
     {
         std::string text = error.GetDescription();
         while (!text.empty() && (text.back() == '\n' || text.back() == ' '))
             text.pop_back();
-        const std::size_t line = text.find_last_of('\n');
-        return line == std::string::npos ? text : text.substr(line + 1);
+        if (const std::size_t line = text.find_last_of('\n'); line != std::string::npos)
+            text.erase(0, line + 1);
+        if (const std::size_t function = text.find(": "); text.starts_with("[nrrd]") && function != std::string::npos)
+            text.erase(0, function + 2);
+        return text;
     }
 
 } // namespace

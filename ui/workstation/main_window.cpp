@@ -565,14 +565,18 @@ void MainWindow::set_knife(KnifeMode mode)
     show_all();
 }
 
-void MainWindow::show_knife()
+void MainWindow::show_cuts_not_saved()
 {
     const std::string reason = knife_->cuts_not_saved();
-    cuts_banner_->say(reason.empty()
-            ? QString()
-            : QString::fromStdString(
-                "Cuts by hand cannot be saved now, and are lost when the window is closed. " + reason),
-        "Try again");
+    const std::string said = "Cuts by hand cannot be saved now, and are lost when the window is closed. " + reason;
+    cuts_banner_->say(reason.empty() ? QString() : QString::fromStdString(said), "Try again");
+}
+
+void MainWindow::show_knife()
+{
+    // The banner moves the picture, and with it the line that is being drawn.
+    if (knife_->snapshot() == nullptr || !knife_->snapshot()->stroke_open)
+        show_cuts_not_saved();
     if (model_ && model_->selected() && knife_tab_open() && !only_looks()) {
         const std::size_t index = *model_->selected();
         knife_->set_up(

@@ -301,7 +301,8 @@ private:
     void show_actions();
     void show_undo();
     void show_start_page();
-    void show_knife(); ///< starts the session of the selected approach while the knife's tab is open
+    void show_knife();
+    void show_cuts_not_saved(); ///< starts the session of the selected approach while the knife's tab is open
     bool knife_tab_open() const;
     Scene knife_scene(const Scene& surroundings, const ShownSource& source) const;
     void show_progress();

@@ -1,7 +1,7 @@
 #include "datasets/dicom/dicom.h"
 
-#include "datasets/dicom/dicom_events.h"
 #include "mesh/base/error.h"
+#include "mesh/base/vtk_errors.h"
 
 #include <vtkDICOMCTGenerator.h>
 #include <vtkDICOMMetaData.h>
@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <regex>
+#include <string>
 
 #include <unistd.h>
 
@@ -61,7 +62,9 @@ namespace {
         data->Set(DC::WindowWidth, "400");
     }
 
-    void write_files(const fs::path& folder, const mesh::Volume& volume, const DicomOptions& options)
+    /// @param target for messages
+    void write_files(
+        const fs::path& folder, const fs::path& target, const mesh::Volume& volume, const DicomOptions& options)
     {
         const mesh::ImageGrid& grid = volume.grid;
         // CT scanners store unsigned numbers with an intercept of -1024. Darker padding lowers the intercept.
@@ -85,7 +88,7 @@ namespace {
         fill_meta_data(data, volume, options);
         vtkNew<vtkDICOMCTGenerator> generator;
         vtkNew<vtkDICOMWriter> writer;
-        const ErrorCollector errors(writer);
+        const VtkErrorTrap errors; // the writer does not pass on what its parts report
         writer->SetInputData(image);
         writer->SetGenerator(generator);
         writer->SetMetaData(data);
@@ -98,8 +101,11 @@ namespace {
         writer->SetFilePrefix(folder.string().c_str());
         writer->SetFilePattern("%s/IM%04d.dcm");
         writer->Write();
-        if (errors.failed() || writer->GetErrorCode() != 0)
-            throw IoError("cannot write the DICOM series: " + errors.text(), folder.string());
+        const std::string text = errors.errors();
+        if (text.empty() && writer->GetErrorCode() == 0)
+            return;
+        const bool full = text.find("Out of disk space") != std::string::npos;
+        throw IoError("cannot write the DICOM series: " + (full ? "No space left on device" : text), target.string());
     }
 
 } // namespace
@@ -114,7 +120,7 @@ void write_dicom_series(const fs::path& folder, const mesh::Volume& volume, cons
     try {
         fs::remove_all(temporary);
         fs::create_directories(temporary);
-        write_files(temporary, volume, options);
+        write_files(temporary, target, volume, options);
         fs::remove_all(target);
         fs::rename(temporary, target);
     } catch (const fs::filesystem_error& error) {

@@ -3,6 +3,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "mesh/base/vtk_errors.h"
 
 #include <vtkCallbackCommand.h>
 #include <vtkCellArray.h>
@@ -94,6 +95,7 @@ namespace {
     template <class Writer> void write_xml(const std::filesystem::path& path, vtkDataObject* data)
     {
         write_file_atomically(path, [&](const std::filesystem::path& temporary) {
+            const VtkErrorTrap silent; // the writer's code tells as much
             vtkNew<Writer> writer;
             writer->SetInputDataObject(data);
             writer->SetFileName(temporary.c_str());
@@ -275,6 +277,7 @@ void write_stl(const std::filesystem::path& path, const TriMesh& mesh)
 {
     const vtkNew<vtkPolyData> surface = vtk_surface(mesh);
     write_file_atomically(path, [&](const std::filesystem::path& temporary) {
+        const VtkErrorTrap silent;
         vtkNew<vtkSTLWriter> writer;
         writer->SetInputData(surface);
         writer->SetFileTypeToBinary();

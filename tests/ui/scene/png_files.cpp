@@ -1,7 +1,7 @@
 #include "tests/ui/scene/png_files.h"
 
 #include "mesh/base/error.h"
-#include "ui/scene/vtk/vtk_errors.h"
+#include "mesh/base/vtk_errors.h"
 
 #include <vtkImageData.h>
 #include <vtkPNGReader.h>

@@ -8,11 +8,9 @@
 #include "tests/ui/scene/sample_scenes.h"
 #include "ui/scene/vtk/identifier_picture.h"
 #include "ui/scene/vtk/stereo.h"
-#include "ui/scene/vtk/vtk_errors.h"
 
 #include <gtest/gtest.h>
 
-#include <vtkOutputWindow.h>
 
 #include <array>
 #include <cmath>
@@ -21,7 +19,6 @@
 #include <fstream>
 #include <numbers>
 #include <string>
-#include <thread>
 
 namespace retractor::ui {
 namespace render_test {
@@ -540,38 +537,6 @@ namespace render_test {
         std::ofstream(path) << "this is text";
         EXPECT_THROW(read_png(path), IoError);
         std::filesystem::remove(path);
-    }
-
-    TEST(VtkErrorTrap, TurnsVtkErrorsIntoOneExceptionAndGivesTheOldHandlerBack)
-    {
-        vtkOutputWindow* before = vtkOutputWindow::GetInstance();
-        {
-            const VtkErrorTrap trap;
-            EXPECT_NO_THROW(trap.throw_if_error("nothing"));
-            vtkOutputWindowDisplayErrorText("the shader\nis broken");
-            try {
-                trap.throw_if_error("drawing");
-                FAIL() << "no exception";
-            } catch (const IoError& error) {
-                EXPECT_STREQ(error.what(), "drawing: the drawing library reports: the shader is broken");
-            }
-        }
-        EXPECT_EQ(vtkOutputWindow::GetInstance(), before);
-    }
-
-    TEST(VtkErrorTrap, EachThreadHasItsOwnAndTheOldestTakesTheRest)
-    {
-        const VtkErrorTrap oldest;
-        std::string of_other;
-        std::thread([&] {
-            const VtkErrorTrap other;
-            vtkOutputWindow::GetInstance()->DisplayErrorText("from a thread with a trap");
-            of_other = other.errors();
-        }).join();
-        EXPECT_NE(of_other.find("with a trap"), std::string::npos);
-        EXPECT_EQ(oldest.errors(), "");
-        std::thread([] { vtkOutputWindow::GetInstance()->DisplayErrorText("from a thread without"); }).join();
-        EXPECT_NE(oldest.errors().find("without"), std::string::npos);
     }
 
     /// Mean column of the pixels in which a channel is bright, among those that belong to an eye; the picture has

@@ -1,7 +1,7 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "ui/scene/vtk/render.h"
-#include "ui/scene/vtk/vtk_errors.h"
+#include "mesh/base/vtk_errors.h"
 
 #include <vtkImageData.h>
 #include <vtkPNGWriter.h>

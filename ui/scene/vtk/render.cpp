@@ -3,7 +3,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "ui/scene/vtk/scene_view.h"
-#include "ui/scene/vtk/vtk_errors.h"
+#include "mesh/base/vtk_errors.h"
 
 #include <vtk_glew.h>
 

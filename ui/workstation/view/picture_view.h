@@ -5,7 +5,7 @@
 
 #include "planner/session/wall_picture.h"
 #include "ui/scene/scene.h"
-#include "ui/scene/vtk/vtk_errors.h"
+#include "mesh/base/vtk_errors.h"
 #include "ui/workstation/view/background_picture.h"
 #include "ui/workstation/view/moving_resolution.h"
 

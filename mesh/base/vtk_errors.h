@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace retractor::ui {
+namespace retractor {
 
 class VtkErrorTrap {
 public:
@@ -25,4 +25,4 @@ private:
     State* state_;
 };
 
-} // namespace retractor::ui
+} // namespace retractor

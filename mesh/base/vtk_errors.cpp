@@ -1,4 +1,4 @@
-#include "ui/scene/vtk/vtk_errors.h"
+#include "mesh/base/vtk_errors.h"
 
 #include "mesh/base/error.h"
 
@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-namespace retractor::ui {
+namespace retractor {
 
 struct VtkErrorTrap::State {
     const std::thread::id thread = std::this_thread::get_id();
@@ -106,4 +106,4 @@ void VtkErrorTrap::throw_if_error(const std::string& doing) const
         throw IoError(doing + ": the drawing library reports: " + text, "vtk");
 }
 
-} // namespace retractor::ui
+} // namespace retractor

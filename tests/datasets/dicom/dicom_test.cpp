@@ -11,6 +11,11 @@
 #include <fstream>
 #include <numbers>
 
+#include <csignal>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 namespace retractor::datasets {
 namespace dicom_test {
 
@@ -96,6 +101,33 @@ namespace dicom_test {
         std::ofstream(folder / "ct/report.txt") << "someone's work";
         test_support::expect_refused<IoError>([&] { write_dicom_series(folder / "ct", volume); }, "report.txt");
         EXPECT_EQ(read_dicom_series(folder / "ct").grid.size[2], 3);
+    }
+
+    TEST(Dicom, ASeriesThatTheDiskCutsShortIsRefusedAndTheFormerStays)
+    {
+        const test_support::TemporaryFolder folder;
+        const mesh::Volume written = test_support::random_volume(Mat3::Identity());
+        write_dicom_series(folder / "ct", written);
+        // In a child, as the limit on file sizes is the whole process'.
+        const ::pid_t child = ::fork();
+        ASSERT_GE(child, 0);
+        if (child == 0) {
+            static_cast<void>(::signal(SIGXFSZ, SIG_IGN));
+            const ::rlimit limit { 700, 700 }; // a part of a slice
+            if (::setrlimit(RLIMIT_FSIZE, &limit) != 0)
+                ::_exit(2);
+            try {
+                write_dicom_series(folder / "ct", written);
+            } catch (const IoError&) {
+                ::_exit(0);
+            }
+            ::_exit(3);
+        }
+        int status = 0;
+        ASSERT_EQ(::waitpid(child, &status, 0), child);
+        ASSERT_TRUE(WIFEXITED(status));
+        EXPECT_EQ(WEXITSTATUS(status), 0);
+        EXPECT_EQ(read_dicom_series(folder / "ct").voxels, written.voxels);
     }
 
     TEST(Dicom, RecordsItsPart)

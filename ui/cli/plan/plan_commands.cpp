@@ -370,12 +370,10 @@ namespace {
         return decks;
     }
 
-    Outcome plan(const PlanOptions& options, const Job& job)
+    /// Writes the files of a plan. @param saved the sentence that says what is saved with the case
+    Outcome write_plan(const PlanOptions& options, const std::vector<std::string>& formats, PlannedCase& planned,
+        const std::string& saved, const Job& job)
     {
-        // Missing programs and wrong options are reported before the long work.
-        const fs::path ccx = options.reference.empty() ? fs::path() : find_calculix();
-        const std::vector<std::string> formats = export_formats(options);
-        PlannedCase planned(options, Rounds::to_accuracy, job);
         auto& [in_file, patient, request, checks, folder, made, drawn] = planned;
         std::vector<planner::PlannedField>& fields = drawn.fields;
         planner::Provenance computed = provenance_now(patient.planned_case());
@@ -383,8 +381,6 @@ namespace {
         StagedResults staged(folder);
         write_field_meshes(staged.folder(), patient, fields);
         const Decks decks = write_decks(formats, fields, staged);
-        if (!ccx.empty())
-            ask_for_second_opinions(options, ccx, fields, job);
         if (options.render) {
             const std::vector<planner::ReportPicture> pictures
                 = render_fields(staged.folder(), patient, fields, request, job);
@@ -399,11 +395,7 @@ namespace {
             outcome.document["exports"] = decks.written;
             outcome.document["not_exported"] = decks.refused;
         }
-        outcome.text = field_table(fields) + decks.text;
-        const bool hurried
-            = options.time_s && *options.time_s < in_file.solution.accuracy.value_or(planner::AccuracyGoal {}).time_s;
-        if (!options.accuracy && !hurried && options.stiffness.empty()) // a hurried plan takes no better one's place
-            outcome.text += save_plans(in_file, patient.planned_case(), fields);
+        outcome.text = field_table(fields) + decks.text + saved;
         if (!kept.empty()) {
             const std::string file = (folder / "metrics-earlier.json").string();
             outcome.text += file + " keeps the earlier results of " + joined(kept) + "\n";
@@ -413,6 +405,32 @@ namespace {
             outcome.text += report.string() + " and its pictures show an earlier plan (add --render to renew them)\n";
         outcome.exit_code = decks.refused.empty() ? exit_code_of(fields) : 1;
         return outcome;
+    }
+
+    Outcome plan(const PlanOptions& options, const Job& job)
+    {
+        // Missing programs and wrong options are reported before the long work.
+        const fs::path ccx = options.reference.empty() ? fs::path() : find_calculix();
+        const std::vector<std::string> formats = export_formats(options);
+        PlannedCase planned(options, Rounds::to_accuracy, job);
+        std::vector<planner::PlannedField>& fields = planned.drawn.fields;
+        if (!ccx.empty())
+            ask_for_second_opinions(options, ccx, fields, job);
+        const bool hurried = options.time_s
+            && *options.time_s < planned.in_file.solution.accuracy.value_or(planner::AccuracyGoal {}).time_s;
+        std::string saved;
+        if (!options.accuracy && !hurried && options.stiffness.empty()) // a hurried plan takes no better one's place
+            saved = save_plans(planned.in_file, planned.patient.planned_case(), fields);
+        try {
+            return write_plan(options, formats, planned, saved, job);
+        } catch (const IoError&) { // the long work is not lost with the disk
+            const std::string reason = to_string(current_failure());
+            Outcome unwritten;
+            unwritten.text = field_table(fields) + saved + "the files of the plan are not written: " + reason + "\n";
+            unwritten.document["not_written"] = reason;
+            unwritten.exit_code = 1;
+            return unwritten;
+        }
     }
 
     Outcome picture_outcome(const std::vector<planner::ReportPicture>& pictures)

@@ -1,5 +1,9 @@
 #include "planner/wall/skin_pits.h"
 
+#include "mesh/base/triangle.h"
+
+#include <Eigen/Geometry>
+
 #include <gtest/gtest.h>
 
 namespace retractor::planner {
@@ -45,6 +49,29 @@ namespace skin_pits_test {
         EXPECT_NEAR(drawn.vertices(at(6, 6), 2), moved.z() - 0.3, kRound);
         EXPECT_NEAR(drawn.vertices(at(6, 4), 0), 6.0 * kStepMm + moved.x(), kRound);
         EXPECT_NEAR(drawn.vertices(at(2, 2), 2), moved.z(), kRound);
+    }
+
+    TEST(SkinPits, APitThatReachesUnderItsRimIsNotFoldedOver)
+    {
+        const TriMesh body = sheet();
+        TriMesh at_rest = sheet();
+        at_rest.vertices.row(at(6, 4)) << 6.0 * kStepMm + 1.3 * kStepMm, 4.0 * kStepMm, -kPitMm; // under (7, 4)
+        TriMesh drawn = at_rest;
+        lift_pits(drawn, at_rest, body, { { 0.0, 0.0, 0.0 }, { 0.0, 40.0, 0.0 } }, kSkin);
+        for (const auto& t : drawn.triangles) {
+            const auto [a, b, c] = triangle_corners(drawn.vertices, t);
+            EXPECT_GT((b - a).cross(c - a).z(), 0.0) << t[0] << ' ' << t[1] << ' ' << t[2];
+        }
+        EXPECT_NEAR(drawn.vertices(at(6, 4), 2), 0.0, 1e-12);
+    }
+
+    TEST(SkinPits, AShallowPitIsLiftedWhereItIsSteep)
+    {
+        TriMesh at_rest = sheet();
+        at_rest.vertices.row(at(6, 4)) << 7.0 * kStepMm - 0.5, 4.0 * kStepMm, -0.6; // a short steep side
+        TriMesh drawn = at_rest;
+        lift_pits(drawn, at_rest, sheet(), { { 0.0, 0.0, 0.0 }, { 0.0, 40.0, 0.0 } }, kSkin);
+        EXPECT_NEAR(drawn.vertices(at(6, 4), 2), 0.0, 1e-12);
     }
 
     TEST(SkinPits, LipsOtherTissueAndOtherSurfacesStay)

@@ -23,6 +23,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace retractor::mesh {
@@ -361,6 +362,12 @@ namespace {
                 give_back("cannot flush the journal to disk", errno);
             size_ += text.size();
         }
+        /// Whether the file was deleted. What is written to it then is lost.
+        bool is_deleted() const
+        {
+            struct ::stat status { };
+            return ::fstat(file_, &status) == 0 && status.st_nlink == 0;
+        }
         /// Flushes the folder to disk, which holds the name of a new file.
         void sync_folder() const
         {
@@ -399,12 +406,18 @@ namespace {
         std::size_t torn = 0; ///< bytes after the whole lines
     };
 
-    Lines read_lines(const std::filesystem::path& path)
+    std::string content_of(const std::filesystem::path& path)
     {
         std::ifstream file(path, std::ios::binary);
-        const std::string text { std::istreambuf_iterator<char>(file), {} };
+        std::string text { std::istreambuf_iterator<char>(file), {} };
         if (!file)
             throw IoError("cannot read the journal", path.string());
+        return text;
+    }
+
+    Lines read_lines(const std::filesystem::path& path)
+    {
+        const std::string text = content_of(path);
         Lines read;
         for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', read.whole)) {
             read.lines.push_back(text.substr(read.whole, end - read.whole));
@@ -549,6 +562,7 @@ struct Journal {
     std::filesystem::path path;
     std::unique_ptr<JournalFile> file; ///< null: not begun yet
     Progress progress;
+    std::string whole {}; ///< every line, in case the file is deleted; empty in a strict journal
     std::string waiting {}; ///< lines that are not on the disk
     std::string reason {}; ///< see WaitingLines
     bool in_folder = false; ///< the folder's entry of the file is on the disk
@@ -556,9 +570,15 @@ struct Journal {
     /// Writes what waits. @throws IoError: nothing is lost
     void write()
     {
+        if (file != nullptr && file->is_deleted()) {
+            file.reset();
+            waiting = whole;
+            in_folder = false;
+        }
         if (file == nullptr) {
+            // Only the last folder: where the case has gone, it does not come back by this.
             std::error_code ignored; // opening the file gives the reason
-            std::filesystem::create_directories(path.parent_path(), ignored);
+            std::filesystem::create_directory(path.parent_path(), ignored);
             file = std::make_unique<JournalFile>(path, O_WRONLY | O_CREAT | O_EXCL);
         }
         file->append(waiting);
@@ -594,7 +614,9 @@ namespace {
     CutWitness patient_witness(std::shared_ptr<Journal> journal)
     {
         return [journal = std::move(journal)](const CutEvent& event) {
-            journal->waiting += operation_line(event, journal->progress);
+            const std::string line = operation_line(event, journal->progress);
+            journal->whole += line;
+            journal->waiting += line;
             journal->try_to_write();
         };
     }
@@ -674,6 +696,7 @@ CutSession start_patient_journal(const std::filesystem::path& path, TetMesh mesh
     if (std::filesystem::exists(path))
         throw IoError("there is a journal of this name already", path.string());
     const std::shared_ptr<Journal> journal = new_journal(path, mesh);
+    journal->whole = journal->waiting;
     CutSession session(std::move(mesh));
     journal->try_to_write();
     session.set_witness(patient_witness(journal));
@@ -697,6 +720,8 @@ ReplayedJournal open_patient_journal(
 {
     std::shared_ptr<Journal> journal;
     ReplayedJournal replayed = reopened(path, std::move(mesh), patient_witness, journal, job);
+    if (journal != nullptr)
+        journal->whole = content_of(path);
     JournalAccess::set(waiting, journal);
     return replayed;
 }

@@ -69,7 +69,8 @@ struct [[nodiscard]] ReplayedJournal {
 ReplayedJournal open_journal(const std::filesystem::path& path, TetMesh mesh, const Job& job = {});
 
 /// The same two, for a session that must not stop when a disk is full or a folder may not be written: the operations
-/// are kept, and their lines wait. A new journal may wait from the beginning. Its folder is made when it is missing.
+/// are kept, and their lines wait. A new journal may wait from the beginning. Its folder is made when it is missing. A
+/// file that is deleted meanwhile is written anew, as soon as the folder above allows it.
 /// @param waiting set to the lines of this journal
 /// @throws IoError as the other two, except for a new journal only when its file exists already
 CutSession start_patient_journal(const std::filesystem::path& path, TetMesh mesh, WaitingLines& waiting);

@@ -495,6 +495,36 @@ namespace cut_journal_test {
         EXPECT_EQ(replay_journal(path_, body()).operations, 3u);
     }
 
+    TEST_F(CutJournal, ADeletedFileIsWrittenAnew)
+    {
+        const fs::path inside = folder_ / "cuts" / "median.jsonl";
+        const auto cut = [](CutSession& session, double y) {
+            const Blade blade {
+                .line = { { 2.1, y, 9 }, { 9.4, y + 0.9, 9 } }, .directions = { { 0, 0.2, -1 } }, .depth_mm = 4
+            };
+            ASSERT_EQ(session.cut(blade).status, CutStatus::done);
+        };
+        {
+            WaitingLines waiting;
+            CutSession session = start_patient_journal(inside, body(), waiting);
+            cut(session, 2.3);
+            EXPECT_EQ(waiting.reason(), "");
+            fs::remove_all(folder_);
+            cut(session, 6.3);
+            EXPECT_NE(waiting.reason(), "") << "the folder above has gone, too";
+            EXPECT_FALSE(fs::exists(folder_));
+            fs::create_directories(folder_);
+            EXPECT_TRUE(waiting.write());
+            EXPECT_EQ(replay_journal(inside, body()).operations, 2u);
+        }
+        WaitingLines waiting;
+        ReplayedJournal reopened = open_patient_journal(inside, body(), waiting);
+        fs::remove_all(inside.parent_path());
+        cut(reopened.session, 10.3);
+        EXPECT_EQ(waiting.reason(), "");
+        EXPECT_EQ(replay_journal(inside, body()).operations, 3u);
+    }
+
     TEST_F(CutJournal, ACancelledReplaySaysSo)
     {
         {

@@ -104,6 +104,7 @@ namespace division_by_hand_test {
         namespace fs = std::filesystem;
         const fs::path folder = fs::temp_directory_path() / "division_by_hand_test";
         fs::remove_all(folder);
+        fs::create_directories(folder); // the case's
         SurgerySetup journalled = setup();
         journalled.journal = cuts_journal(folder / "case.json", "between");
         {

@@ -521,6 +521,7 @@ namespace knife_window_test {
     {
         control_->cuts_folder = picture_folder() / "saved_cuts";
         fs::remove_all(control_->cuts_folder);
+        fs::create_directories(control_->cuts_folder); // the case's
         take_knife();
         draw(-30.0, 0.0, 30.0, 0.0);
         draw(-30.0, 20.0, 30.0, 25.0);

@@ -2,10 +2,10 @@
 
 #include "datasets/io/label_table.h"
 #include "mesh/base/error.h"
-#include "planner/approach/hooks.h"
 #include "planner/case/case_io.h"
 
 #include <stdexcept>
+#include <string>
 
 namespace retractor::fuzz {
 
@@ -61,7 +61,14 @@ namespace {
         planner::Case sample = smallest_case();
         sample.ct = planner::FileReference { .path = "ct/series", .sha256 = std::string(64, '0') };
         planner::add_approach(sample, sample_approach("first"));
-        planner::set_hooks(sample, "first", "4", 40.0);
+        for (const int side : { 1, -1 })
+            for (const double along_mm : { 40.0, 110.0 })
+                sample.approaches.back().hooks.push_back({ .name = "hook_" + std::to_string(side * along_mm),
+                    .side = side,
+                    .along_mm = along_mm,
+                    .depth_mm = 15.0,
+                    .direction = side * Vec3::UnitX(),
+                    .opening_mm = 20.0 });
         planner::Approach second = sample_approach("second");
         second.target = { .label = {}, .centre = Vec3(0.1, -1e-17, 1e3 / 7.0), .radius_mm = 0.3 };
         planner::add_approach(sample, second);

@@ -175,6 +175,7 @@ KnifeTool::KnifeTool(PictureView& view, KnifePanel& panel)
     , panel_(panel)
 {
     panel_.on_restore = [this](bool wanted) {
+        say({}, false); // what was refused before the answer
         if (shown() != nullptr)
             shown()->worker->restore(wanted);
         view_.setFocus(); // takes the focus from the buttons, for looking and undoing
@@ -494,6 +495,13 @@ bool KnifeTool::wall_is_shown() const
     return snapshot() != nullptr && snapshot()->picture != nullptr && view_.scenes().size() == 1;
 }
 
+std::string KnifeTool::why_no_wall() const
+{
+    return snapshot() != nullptr && snapshot()->phase == planner::SurgerySnapshot::Phase::asking
+        ? "Answer on the right first: restore the cuts of the last session, or discard them"
+        : "the wall is not ready yet";
+}
+
 std::optional<planner::Touch> KnifeTool::feel_wall(const QPointF& at) const
 {
     if (!wall_is_shown())
@@ -509,7 +517,7 @@ std::optional<planner::Touch> KnifeTool::feel(const QPointF& at, std::string& wh
     };
     const bool taking_out = mode_ == KnifeMode::take_out;
     if (!wall_is_shown())
-        return refuse("the wall is not ready yet");
+        return refuse(why_no_wall());
     const planner::Ray ray = view_.ray_at(at);
     const std::optional<planner::Touch> found = touch(*snapshot()->picture, ray);
     const auto before = [&](const TriMesh& mesh) {
@@ -571,7 +579,7 @@ void KnifeTool::take_out(const QPointF& at)
 void KnifeTool::take_hook(const QPointF& at)
 {
     if (!wall_is_shown())
-        return say("the wall is not ready yet", true);
+        return say(why_no_wall(), true);
     const std::optional<planner::Touch> touched = feel_wall(at);
     const planner::Ray ray = view_.ray_at(at);
     say({}, false);

@@ -104,6 +104,7 @@ private:
     void show_beyond();
     void show_line();
     bool wall_is_shown() const;
+    std::string why_no_wall() const; ///< why it is not shown
     /// The place that the knife touches, or the reason why nothing there can be cut.
     std::optional<planner::Touch> feel(const QPointF& at, std::string& why_not) const;
     /// The place on the wall for the rest of a stroke, even where something hides the wall.

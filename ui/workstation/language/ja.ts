@@ -1488,6 +1488,10 @@
         <translation>体壁の切開を準備しています</translation>
     </message>
     <message>
+        <source>Answer on the right first: restore the cuts of the last session, or discard them</source>
+        <translation>先に右側で、前回の切開を復元するか破棄するかを選んでください</translation>
+    </message>
+    <message>
         <source>the wall is not ready yet</source>
         <translation>体壁の準備がまだです</translation>
     </message>

@@ -537,6 +537,9 @@ namespace knife_window_test {
                 [&] { return window_->knife_panel().restore_button().isVisible(); }, test_support::kPatienceMs));
             EXPECT_EQ(snapshot().saved_cuts, 2U);
             window_->save_screenshot(picture_folder() / "workstation_knife_restore.png");
+            mouse_down(pixel(0.0, 0.0));
+            mouse_up(pixel(0.0, 0.0));
+            EXPECT_NE(error().find("Answer on the right first"), std::string::npos) << error();
             KnifePanel& panel = window_->knife_panel();
             QTest::mouseClick(wanted ? &panel.restore_button() : &panel.discard_button(), Qt::LeftButton);
             ASSERT_TRUE(QTest::qWaitFor(

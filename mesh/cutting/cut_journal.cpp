@@ -649,12 +649,6 @@ namespace {
 
 } // namespace
 
-/// Sets the journal of lines that wait.
-class JournalAccess {
-public:
-    static void set(WaitingLines& lines, const std::shared_ptr<Journal>& journal) { lines.journal_ = journal; }
-};
-
 std::string WaitingLines::reason() const
 {
     const std::shared_ptr<Journal> journal = journal_.lock();
@@ -700,7 +694,7 @@ CutSession start_patient_journal(const std::filesystem::path& path, TetMesh mesh
     CutSession session(std::move(mesh));
     journal->try_to_write();
     session.set_witness(patient_witness(journal));
-    JournalAccess::set(waiting, journal);
+    waiting = WaitingLines(journal);
     return session;
 }
 
@@ -722,7 +716,7 @@ ReplayedJournal open_patient_journal(
     ReplayedJournal replayed = reopened(path, std::move(mesh), patient_witness, journal, job);
     if (journal != nullptr)
         journal->whole = content_of(path);
-    JournalAccess::set(waiting, journal);
+    waiting = WaitingLines(journal);
     return replayed;
 }
 

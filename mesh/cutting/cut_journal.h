@@ -25,6 +25,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace retractor::mesh {
 
@@ -40,18 +41,24 @@ std::uint64_t mesh_checksum(const TetMesh& mesh);
 /// @throws InputError as CutSession; IoError when the file exists already or cannot be written
 CutSession start_journal(const std::filesystem::path& path, TetMesh mesh);
 
+struct Journal;
+
 /// The lines of a journal that the disk has refused. They wait in memory, in order, while the session goes on; each
 /// further operation tries to write them. A crash loses them. For the session's thread only.
 class WaitingLines {
 public:
+    WaitingLines() = default; ///< of no session: nothing waits
+    explicit WaitingLines(std::weak_ptr<Journal> journal)
+        : journal_(std::move(journal))
+    {
+    }
     /// Why lines wait, for people; empty: every line is on the disk, or the session has gone.
     std::string reason() const;
     /// Tries to write them now. @return whether every line is on the disk
     bool write();
 
 private:
-    friend class JournalAccess;
-    std::weak_ptr<struct Journal> journal_; ///< of the session
+    std::weak_ptr<Journal> journal_; ///< of the session
 };
 
 struct [[nodiscard]] ReplayedJournal {

@@ -422,6 +422,15 @@ namespace cut_journal_test {
         EXPECT_EQ(error.where(), path_.string() + ":2 (/options/subdivision)");
     }
 
+    /// A short cut across the top of the body.
+    CutStatus cut_across(CutSession& session, double y)
+    {
+        const Blade blade {
+            .line = { { 2.1, y, 9 }, { 9.4, y + 0.9, 9 } }, .directions = { { 0, 0.2, -1 } }, .depth_mm = 4
+        };
+        return session.cut(blade).status;
+    }
+
     TEST_F(CutJournal, AFullDiskTakesTheOperationBack)
     {
         // In a child, as the limit on file sizes is the whole process'.
@@ -435,11 +444,8 @@ namespace cut_journal_test {
             const ::rlimit limit { size + 40, size + 40 }; // a part of the line still fits
             if (::setrlimit(RLIMIT_FSIZE, &limit) != 0)
                 ::_exit(2);
-            const Blade blade {
-                .line = { { 2.1, 3.3, 9 }, { 9.4, 4.2, 9 } }, .directions = { { 0, 0.2, -1 } }, .depth_mm = 4
-            };
             try {
-                static_cast<void>(session.cut(blade));
+                static_cast<void>(cut_across(session, 3.3));
             } catch (const IoError&) {
                 ::_exit(test_support::SessionState(session) == before && fs::file_size(path_) == size ? 0 : 3);
             }
@@ -464,10 +470,7 @@ namespace cut_journal_test {
                     ::_exit(2);
             };
             const auto cut = [](CutSession& session, double y) {
-                const Blade blade {
-                    .line = { { 2.1, y, 9 }, { 9.4, y + 0.9, 9 } }, .directions = { { 0, 0.2, -1 } }, .depth_mm = 4
-                };
-                if (session.cut(blade).status != CutStatus::done)
+                if (cut_across(session, y) != CutStatus::done)
                     ::_exit(5);
             };
             WaitingLines waiting;
@@ -498,19 +501,13 @@ namespace cut_journal_test {
     TEST_F(CutJournal, ADeletedFileIsWrittenAnew)
     {
         const fs::path inside = folder_ / "cuts" / "median.jsonl";
-        const auto cut = [](CutSession& session, double y) {
-            const Blade blade {
-                .line = { { 2.1, y, 9 }, { 9.4, y + 0.9, 9 } }, .directions = { { 0, 0.2, -1 } }, .depth_mm = 4
-            };
-            ASSERT_EQ(session.cut(blade).status, CutStatus::done);
-        };
         {
             WaitingLines waiting;
             CutSession session = start_patient_journal(inside, body(), waiting);
-            cut(session, 2.3);
+            ASSERT_EQ(cut_across(session, 2.3), CutStatus::done);
             EXPECT_EQ(waiting.reason(), "");
             fs::remove_all(folder_);
-            cut(session, 6.3);
+            ASSERT_EQ(cut_across(session, 6.3), CutStatus::done);
             EXPECT_NE(waiting.reason(), "") << "the folder above has gone, too";
             EXPECT_FALSE(fs::exists(folder_));
             fs::create_directories(folder_);
@@ -520,7 +517,7 @@ namespace cut_journal_test {
         WaitingLines waiting;
         ReplayedJournal reopened = open_patient_journal(inside, body(), waiting);
         fs::remove_all(inside.parent_path());
-        cut(reopened.session, 10.3);
+        ASSERT_EQ(cut_across(reopened.session, 10.3), CutStatus::done);
         EXPECT_EQ(waiting.reason(), "");
         EXPECT_EQ(replay_journal(inside, body()).operations, 3u);
     }

@@ -68,6 +68,16 @@ namespace knife_window_test {
             ASSERT_NE(window_->knife().scene(), nullptr) << window_->error_line();
             window_->view().picture();
         }
+        /// Whether a new window on the same case asks about the former cuts.
+        bool reopened_and_asked()
+        {
+            make_window();
+            open_synthetic();
+            press(Qt::Key_K);
+            return QTest::qWaitFor(
+                [&] { return window_->knife().snapshot()->phase == planner::SurgerySnapshot::Phase::asking; },
+                test_support::kPatienceMs);
+        }
         void wait_until_idle() { retractor::test_support::wait_until_idle(*window_); }
         void press(Qt::Key key, Qt::KeyboardModifiers modifiers = {})
         {
@@ -526,12 +536,7 @@ namespace knife_window_test {
         draw(-30.0, 0.0, 30.0, 0.0);
         draw(-30.0, 20.0, 30.0, 25.0);
         for (const bool wanted : { true, false }) {
-            make_window();
-            open_synthetic();
-            press(Qt::Key_K);
-            ASSERT_TRUE(QTest::qWaitFor(
-                [&] { return window_->knife().snapshot()->phase == planner::SurgerySnapshot::Phase::asking; },
-                test_support::kPatienceMs));
+            ASSERT_TRUE(reopened_and_asked());
             // The session waits for the answer, and what was asked of it meanwhile waits too: it is not idle.
             ASSERT_TRUE(QTest::qWaitFor(
                 [&] { return window_->knife_panel().restore_button().isVisible(); }, test_support::kPatienceMs));
@@ -602,12 +607,7 @@ namespace knife_window_test {
         wait_until_idle();
         EXPECT_FALSE(banner->isVisible());
         EXPECT_FALSE(window_->knife().would_lose_cuts());
-        make_window();
-        open_synthetic();
-        press(Qt::Key_K);
-        ASSERT_TRUE(QTest::qWaitFor(
-            [&] { return window_->knife().snapshot()->phase == planner::SurgerySnapshot::Phase::asking; },
-            test_support::kPatienceMs));
+        ASSERT_TRUE(reopened_and_asked());
         EXPECT_EQ(snapshot().saved_cuts, 1U);
     }
 

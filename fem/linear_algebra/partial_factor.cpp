@@ -7,7 +7,10 @@
 
 #include <cblas.h>
 
+#include <algorithm>
+#include <cmath>
 #include <exception>
+#include <memory>
 #include <utility>
 
 namespace retractor::fem {
@@ -17,15 +20,13 @@ namespace {
     /// The columns of the lower triangle before `end`, with rows and columns in the order of elimination.
     struct Columns {
         struct Entry {
-            std::int32_t row;
-            double value;
+            std::int32_t row, source; ///< `source`: place among the values of the matrix
         };
         std::vector<std::size_t> start;
         std::vector<Entry> entries;
     };
 
-    Columns columns_before(Eigen::Index end, const SymmetricPattern& pattern, const std::vector<std::int32_t>& place,
-        const std::vector<double>& values)
+    Columns columns_before(Eigen::Index end, const SymmetricPattern& pattern, const std::vector<std::int32_t>& place)
     {
         Columns columns { std::vector<std::size_t>(static_cast<std::size_t>(end) + 1, 0), {} };
         const auto for_entries = [&](const auto& work) {
@@ -34,29 +35,120 @@ namespace {
                      k < static_cast<std::size_t>(pattern.column_start[j + 1]); ++k) {
                     const auto [column, row] = std::minmax(place[j], place[static_cast<std::size_t>(pattern.row[k])]);
                     if (column < end)
-                        work(static_cast<std::size_t>(column), row, values[k]);
+                        work(static_cast<std::size_t>(column), row, static_cast<std::int32_t>(k));
                 }
         };
-        for_entries([&](std::size_t column, std::int32_t, double) { ++columns.start[column + 1]; });
+        for_entries([&](std::size_t column, std::int32_t, std::int32_t) { ++columns.start[column + 1]; });
         for (std::size_t c = 0; c + 1 < columns.start.size(); ++c)
             columns.start[c + 1] += columns.start[c];
         columns.entries.resize(columns.start.back());
         std::vector<std::size_t> next = columns.start;
-        for_entries([&](std::size_t column, std::int32_t row, double value) {
-            columns.entries[next[column]++] = { row, value };
+        for_entries([&](std::size_t column, std::int32_t row, std::int32_t source) {
+            columns.entries[next[column]++] = { row, source };
         });
         return columns;
     }
+
+    /// Runs f(from, to) on two ranges of columns that divide a lower triangle of n columns into halves, at the same
+    /// time where two cores are asked for and the triangle is worth it. The ranges depend on n alone, so that one core
+    /// gives the same bits.
+    template <class F> void on_halves_of_lower(Eigen::Index n, Cores cores, const F& f)
+    {
+        constexpr Eigen::Index kWorthTwoCores = 400; // columns
+        if (cores == Cores::one || n < kWorthTwoCores)
+            return f(Eigen::Index { 0 }, n);
+        const auto middle = static_cast<Eigen::Index>((1.0 - std::sqrt(0.5)) * static_cast<double>(n));
+        const ScopedThread other([&] { f(middle, n); });
+        f(Eigen::Index { 0 }, middle);
+    }
+
+    /// Divides the rows of a panel below its factored diagonal block by the transpose of this block.
+    void divide_by_block(double* panel, Eigen::Index own, Eigen::Index rows, Cores cores)
+    {
+        constexpr Eigen::Index kWorthTwoCores = 400; // rows
+        const auto divide = [&](Eigen::Index from, Eigen::Index to) {
+            cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, static_cast<int>(to - from),
+                static_cast<int>(own), 1.0, panel, static_cast<int>(rows), panel + from, static_cast<int>(rows));
+        };
+        if (cores == Cores::one || rows - own < kWorthTwoCores)
+            return divide(own, rows);
+        const Eigen::Index middle = (own + rows) / 2;
+        const ScopedThread other([&] { divide(middle, rows); });
+        divide(own, middle);
+    }
+
+    /// Subtracts the product of the panel below its diagonal block with its transpose from the lower triangle `update`.
+    void subtract_own_product(const double* panel, Eigen::Index own, Eigen::Index rows, double* update, Cores cores)
+    {
+        const int stride = static_cast<int>(rows), inner = static_cast<int>(own);
+        const Eigen::Index n = rows - own;
+        on_halves_of_lower(n, cores, [&](Eigen::Index from, Eigen::Index to) {
+            const double* b = panel + own + from;
+            const int columns = static_cast<int>(to - from), below = static_cast<int>(n - to);
+            cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, columns, inner, -1.0, b, stride, 1.0,
+                update + from * n + from, static_cast<int>(n));
+            if (below > 0)
+                cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, below, columns, inner, -1.0, panel + own + to,
+                    stride, b, stride, 1.0, update + from * n + to, static_cast<int>(n));
+        });
+    }
+
+    /// The lower triangle of an n x n matrix, stored by columns of n rows. Nothing above the diagonal is set.
+    struct Update {
+        std::unique_ptr<double[]> values;
+        std::size_t capacity = 0;
+        Eigen::Index n = 0;
+        double* column(Eigen::Index j) { return values.get() + j * n; }
+        const double* column(Eigen::Index j) const { return values.get() + j * n; }
+    };
+
+    /// Memory of updates that are no longer needed, for later updates: fresh memory costs as much time as the
+    /// arithmetic.
+    class UpdateMemory {
+    public:
+        /// An update of zeros, in the smallest free memory that holds it. Where none does, the largest is given up.
+        Update zeros(Eigen::Index n)
+        {
+            const auto size = static_cast<std::size_t>(n * n);
+            auto at = std::lower_bound(free_.begin(), free_.end(), size,
+                [](const Update& update, std::size_t wanted) { return update.capacity < wanted; });
+            Update update;
+            if (at != free_.end()) {
+                update = std::move(*at);
+                free_.erase(at);
+            } else {
+                if (!free_.empty())
+                    free_.pop_back();
+                update.values.reset(new double[size]);
+                update.capacity = size;
+            }
+            update.n = n;
+            for (Eigen::Index j = 0; j < n; ++j)
+                std::fill_n(update.column(j) + j, n - j, 0.0);
+            return update;
+        }
+        void give_back(Update update)
+        {
+            if (update.capacity > 0)
+                free_.insert(std::upper_bound(free_.begin(), free_.end(), update,
+                                 [](const Update& a, const Update& b) { return a.capacity < b.capacity; }),
+                    std::move(update));
+        }
+
+    private:
+        std::vector<Update> free_; ///< by rising capacity
+    };
 
     /// The dense fronts of all supernodes. A front has the supernode's own columns and the rows below that these
     /// columns reach.
     class Fronts {
     public:
-        Fronts(const Supernodes& f, double* x, Eigen::Index end, Columns matrix)
+        Fronts(const Supernodes& f, double* x, Eigen::Index end, Columns matrix, const std::vector<double>& values)
             : f_(f)
             , x_(x)
             , end_(end)
             , matrix_(std::move(matrix))
+            , values_(values)
             , children_(f.count)
             , updates_(f.count)
         {
@@ -69,29 +161,30 @@ namespace {
         Eigen::Index factor_all()
         {
             const TwoParts parts = two_parts(f_, end_);
-            const auto all_of = [&](const std::vector<std::size_t>& falling, std::vector<std::int32_t>& at) {
+            const auto all_of = [&](const std::vector<std::size_t>& falling, Work& work, Cores cores) {
                 for (auto s = falling.rbegin(); s != falling.rend(); ++s)
-                    if (const Eigen::Index stop = factor(*s, at); stop >= 0)
+                    if (const Eigen::Index stop = factor(*s, work, cores); stop >= 0)
                         return stop;
                 return Eigen::Index { -1 };
             };
-            std::vector<std::int32_t> at(static_cast<std::size_t>(f_.size), -1), other_at = at;
+            Work work { f_.size }, others { f_.size };
             Eigen::Index stop = -1, other_stop = -1;
             std::exception_ptr failed; // exception of the other thread, e.g. out of memory; rethrown in this thread
             {
                 const ScopedThread other([&] {
                     try {
-                        other_stop = all_of(parts.below[1], other_at);
+                        other_stop = all_of(parts.below[1], others, Cores::one);
                     } catch (...) {
                         failed = std::current_exception();
                     }
                 });
-                stop = all_of(parts.below[0], at);
+                stop = all_of(parts.below[0], work, Cores::one);
             }
             if (failed)
                 std::rethrow_exception(failed);
             stop = std::max(stop, other_stop);
-            return stop >= 0 ? stop : all_of(parts.above, at);
+            others.memory = {};
+            return stop >= 0 ? stop : all_of(parts.above, work, Cores::two);
         }
 
         /// Sum of the updates of all fronts without a parent. @pre factor_all() succeeded
@@ -103,11 +196,21 @@ namespace {
                 at[static_cast<std::size_t>(row)] = static_cast<std::int32_t>(row - end_);
             for (std::size_t s = 0; s < f_.count && f_.first[s] < end_; ++s)
                 if (parent(s) < 0)
-                    take_update(s, at, nullptr, 0, 0, sum);
+                    take_update(updates_[s], s, at, nullptr, 0, 0, sum.data(), sum.rows(), Cores::one);
             return sum;
         }
 
     private:
+        /// What one thread works with.
+        struct Work {
+            explicit Work(Eigen::Index unknowns)
+                : at(static_cast<std::size_t>(unknowns), -1)
+            {
+            }
+            std::vector<std::int32_t> at; ///< row of each unknown in the front at hand; -1 between two fronts
+            UpdateMemory memory;
+        };
+
         Eigen::Index columns(std::size_t s) const { return std::min<Eigen::Index>(f_.columns(s), end_ - f_.first[s]); }
 
         /// The parent front, or -1 when all rows below belong to unknowns that are not factored.
@@ -117,30 +220,32 @@ namespace {
             return own == f_.rows(s) || f_.row(s, own) >= end_ ? -1 : f_.supernode_of(f_.row(s, own));
         }
 
-        /// Adds the update of supernode s to a front. The first `own` columns of the front lie in `panel`, the others
-        /// in `beyond`.
+        /// Adds the update of supernode s to a front. The first `own` columns of the front lie in `panel` (`rows`
+        /// rows), the others in `beyond` (`beyond_rows` rows).
         /// @param at row of each unknown in the front; rises with the unknowns
-        void take_update(std::size_t s, const std::vector<std::int32_t>& at, double* panel, Eigen::Index rows,
-            Eigen::Index own, Eigen::MatrixXd& beyond)
+        void take_update(const Update& update, std::size_t s, const std::vector<std::int32_t>& at, double* panel,
+            Eigen::Index rows, Eigen::Index own, double* beyond, Eigen::Index beyond_rows, Cores cores) const
         {
-            const Eigen::MatrixXd update = std::exchange(updates_[s], {});
-            const Eigen::Index first = columns(s), n = update.rows();
+            const Eigen::Index first = columns(s), n = update.n;
             std::vector<Eigen::Index> row(static_cast<std::size_t>(n));
             for (Eigen::Index i = 0; i < n; ++i)
                 row[static_cast<std::size_t>(i)] = at[static_cast<std::size_t>(f_.row(s, first + i))];
-            for (Eigen::Index j = 0; j < n; ++j) {
-                const Eigen::Index column = row[static_cast<std::size_t>(j)], skipped = column < own ? 0 : own;
-                double* to = column < own ? panel + column * rows : beyond.data() + (column - own) * beyond.rows();
-                for (Eigen::Index i = j; i < n; ++i)
-                    to[row[static_cast<std::size_t>(i)] - skipped] += update(i, j);
-            }
+            on_halves_of_lower(n, cores, [&](Eigen::Index from, Eigen::Index to) {
+                for (Eigen::Index j = from; j < to; ++j) {
+                    const Eigen::Index column = row[static_cast<std::size_t>(j)], skipped = column < own ? 0 : own;
+                    double* sum = column < own ? panel + column * rows : beyond + (column - own) * beyond_rows;
+                    const double* added = update.column(j);
+                    for (Eigen::Index i = j; i < n; ++i)
+                        sum[row[static_cast<std::size_t>(i)] - skipped] += added[i];
+                }
+            });
         }
 
         /// Factors one front.
-        /// @param at -1 for all unknowns, before and after the call
         /// @return as factor_all()
-        Eigen::Index factor(std::size_t s, std::vector<std::int32_t>& at)
+        Eigen::Index factor(std::size_t s, Work& work, Cores cores)
         {
+            std::vector<std::int32_t>& at = work.at;
             const Eigen::Index rows = f_.rows(s), own = columns(s), below = rows - own, first = f_.first[s];
             double* panel = x_ + f_.value_start[s];
             std::fill_n(panel, rows * own, 0.0);
@@ -149,20 +254,21 @@ namespace {
             for (Eigen::Index c = 0; c < own; ++c)
                 for (std::size_t k = matrix_.start[static_cast<std::size_t>(first + c)];
                      k < matrix_.start[static_cast<std::size_t>(first + c) + 1]; ++k)
-                    panel[c * rows + at[static_cast<std::size_t>(matrix_.entries[k].row)]] += matrix_.entries[k].value;
-            Eigen::MatrixXd update = Eigen::MatrixXd::Zero(below, below);
-            for (const std::size_t child : children_[s])
-                take_update(child, at, panel, rows, own, update);
+                    panel[c * rows + at[static_cast<std::size_t>(matrix_.entries[k].row)]]
+                        += values_[static_cast<std::size_t>(matrix_.entries[k].source)];
+            Update update = work.memory.zeros(below);
+            for (const std::size_t child : children_[s]) {
+                Update taken = std::exchange(updates_[child], {});
+                take_update(taken, child, at, panel, rows, own, update.values.get(), below, cores);
+                work.memory.give_back(std::move(taken));
+            }
             for (Eigen::Index i = 0; i < rows; ++i)
                 at[static_cast<std::size_t>(f_.row(s, i))] = -1;
             if (const Eigen::Index stop = factor_block(panel, own, rows); stop >= 0)
                 return first + stop;
-            const auto n = static_cast<int>(own), m = static_cast<int>(below), stride = static_cast<int>(rows);
             if (below > 0) {
-                cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, m, n, 1.0, panel, stride,
-                    panel + own, stride);
-                cblas_dsyrk(
-                    CblasColMajor, CblasLower, CblasNoTrans, m, n, -1.0, panel + own, stride, 1.0, update.data(), m);
+                divide_by_block(panel, own, rows, cores);
+                subtract_own_product(panel, own, rows, update.values.get(), cores);
             }
             updates_[s] = std::move(update);
             return -1;
@@ -172,9 +278,10 @@ namespace {
         double* x_;
         Eigen::Index end_;
         Columns matrix_;
+        const std::vector<double>& values_;
         std::vector<std::vector<std::size_t>> children_;
         /// Updates on the rows below (lower triangles), until the parent adds them.
-        std::vector<Eigen::MatrixXd> updates_;
+        std::vector<Update> updates_;
     };
 
 } // namespace
@@ -184,7 +291,7 @@ PartialFactor factor_before(const Supernodes& f, double* x, Eigen::Index end, co
 {
     RETRACTOR_ASSERT(end >= 0 && end <= f.size);
     RETRACTOR_ASSERT(place.size() == static_cast<std::size_t>(f.size) && values.size() == pattern.row.size());
-    Fronts fronts(f, x, end, columns_before(end, pattern, place, values));
+    Fronts fronts(f, x, end, columns_before(end, pattern, place), values);
     PartialFactor partial;
     partial.stopped_at = fronts.factor_all();
     if (partial.stopped_at < 0)

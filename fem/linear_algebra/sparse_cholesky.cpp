@@ -329,7 +329,16 @@ struct SparseCholesky::State {
     void release_single()
     {
         if (single != nullptr)
-            single = static_cast<float*>(cholmod_free(factor->xsize, sizeof(float), single, &common));
+            single = static_cast<float*>(cholmod_free(factor->xsize, sizeof(double), single, &common));
+    }
+    /// Gives the memory of a factor in single precision back to the next factor in double precision: fresh memory would
+    /// be set to zero once more.
+    void reuse_single()
+    {
+        if (single == nullptr)
+            return;
+        factor->x = std::exchange(single, nullptr);
+        factor->xtype = CHOLMOD_REAL;
     }
     /// The arrays as a CHOLMOD matrix; CHOLMOD does not write into them.
     cholmod_sparse view(const double* values)
@@ -347,6 +356,38 @@ struct SparseCholesky::State {
         a.sorted = 1;
         a.packed = 1;
         return a;
+    }
+    void factorise_by_cholmod(const std::vector<double>& values)
+    {
+        cholmod_sparse a = view(values.data());
+        // CHOLMOD would start four threads per block of columns, which on two cores wait for each other longer than
+        // they work. The setting belongs to the calling thread and is restored for the caller's OpenMP.
+        const int levels = omp_get_max_active_levels();
+        omp_set_max_active_levels(0);
+        cholmod_factorize(&a, factor, &common);
+        omp_set_max_active_levels(levels);
+        if (common.status == CHOLMOD_NOT_POSDEF)
+            not_positive_definite(static_cast<Eigen::Index>(factor->minor));
+        if (common.status < CHOLMOD_OK)
+            fail("the factorisation");
+    }
+    /// Factors all but the last `count` unknowns of the order. @return as PartialFactor::trailing
+    Eigen::MatrixXd factorise_on_two_cores(const std::vector<double>& values, Eigen::Index count = 0)
+    {
+        // Allocates the values; a factor with values is overwritten.
+        if (cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, factor, &common) == 0)
+            fail("the factorisation");
+        const Supernodes f(*factor);
+        PartialFactor partial;
+        try {
+            partial = factor_before(f, static_cast<double*>(factor->x), f.size - count, pattern, place, values);
+        } catch (const std::bad_alloc&) {
+            common.status = CHOLMOD_OUT_OF_MEMORY;
+            fail("the factorisation");
+        }
+        if (partial.stopped_at >= 0)
+            not_positive_definite(partial.stopped_at);
+        return std::move(partial.trailing);
     }
     /// Stores the order of elimination and the parts of the factor. Call after the analysis.
     void keep_places()
@@ -461,19 +502,12 @@ void SparseCholesky::factorise(const std::vector<double>& values)
     s.factorised = false;
     s.failed = -1;
     s.check(values);
-    s.release_single();
-    cholmod_sparse a = s.view(values.data());
-    // CHOLMOD would start four threads per block of columns, which on two cores wait for each other longer than they
-    // work. The setting belongs to the calling thread and is restored for the caller's OpenMP.
+    s.reuse_single();
     s.refuse_what_does_not_fit();
-    const int levels = omp_get_max_active_levels();
-    omp_set_max_active_levels(0);
-    cholmod_factorize(&a, s.factor, &s.common);
-    omp_set_max_active_levels(levels);
-    if (s.common.status == CHOLMOD_NOT_POSDEF)
-        s.not_positive_definite(static_cast<Eigen::Index>(s.factor->minor));
-    if (s.common.status < CHOLMOD_OK)
-        s.fail("the factorisation");
+    if (s.factor->n >= kUnknownsWorthAThread)
+        s.factorise_on_two_cores(values);
+    else
+        s.factorise_by_cholmod(values);
     s.rcond = cholmod_rcond(s.factor, &s.common);
     s.factorised = true;
 }
@@ -507,8 +541,7 @@ void SparseCholesky::round_to_single()
         const auto single = static_cast<float>(value);
         std::memcpy(bytes + i * sizeof(float), &single, sizeof(float));
     }
-    std::size_t floats = 2 * factor.xsize;
-    s.single = static_cast<float*>(cholmod_realloc(factor.xsize, sizeof(float), factor.x, &floats, &s.common));
+    s.single = static_cast<float*>(factor.x);
     factor.x = nullptr; // CHOLMOD takes the factor for one that is analysed only
     factor.xtype = CHOLMOD_PATTERN;
 }
@@ -620,20 +653,7 @@ Eigen::MatrixXd SparseCholesky::condense(const std::vector<double>& values, Eige
     s.failed = -1;
     s.check(values);
     s.release_single();
-    // Allocates the values; a factor with values is overwritten.
-    if (cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, s.factor, &s.common) == 0)
-        s.fail("the factorisation");
-    const Supernodes f(*s.factor);
-    PartialFactor partial;
-    try {
-        partial = factor_before(f, static_cast<double*>(s.factor->x), f.size - count, s.pattern, s.place, values);
-    } catch (const std::bad_alloc&) {
-        s.common.status = CHOLMOD_OUT_OF_MEMORY;
-        s.fail("the factorisation");
-    }
-    if (partial.stopped_at >= 0)
-        s.not_positive_definite(partial.stopped_at);
-    return std::move(partial.trailing);
+    return s.factorise_on_two_cores(values, count);
 }
 
 Eigen::MatrixXd SparseCholesky::trailing_factor(Eigen::Index count) const

@@ -1,5 +1,7 @@
 #pragma once
 // Sparse Cholesky factorisation by CHOLMOD (supernodal) with METIS nested dissection and OpenBLAS, behind plain arrays.
+// Large matrices are ordered and analysed by CHOLMOD, and factored on two cores by our multifrontal method (Duff, Reid
+// 1983, doi 10.1145/356044.356047).
 // "Order" means the order of elimination; A is the matrix, P its permutation, L its factor.
 
 #include "fem/linear_algebra/symmetric_pattern.h"
@@ -42,7 +44,7 @@ public:
     /// The order that was computed or given. @pre analysed()
     std::vector<std::int32_t> elimination_order() const;
 
-    /// Factors the matrix.
+    /// Factors the matrix: a large one on two cores, with the same bits as on one.
     /// @param values one per row entry of the pattern
     /// @pre analysed()
     /// @throws SolverError when a value is not finite, or when the matrix is not positive definite. The message and
@@ -53,8 +55,8 @@ public:
     /// Solves for all columns of `right_sides`. Large systems use two cores. @pre factorise() succeeded, !rounded()
     Eigen::MatrixXd solve(const Eigen::MatrixXd& right_sides) const;
 
-    /// Rounds the factor to single precision, in place: half of the memory, and half of the time of a solve, which is
-    /// the time to read the factor. The rounded factor preconditions conjugate gradients as well as the factor does
+    /// Rounds the factor to single precision, in place: half of the time of a solve, which is the time to read the
+    /// factor. The rounded factor preconditions conjugate gradients as well as the factor does
     /// (Arioli, Duff 2009, Electron. Trans. Numer. Anal. 33, 31-44). Until the next factorise() only solve_rounded()
     /// may be called.
     /// @pre factorise() succeeded
@@ -83,8 +85,8 @@ public:
     /// A^-1 b: the second half of the solve. @pre no factorise() since half_solve()
     Eigen::MatrixXd finish(const HalfSolution& half) const;
 
-    /// Factors all but the last `count` unknowns of the order, by the multifrontal method (Duff, Reid 1983, doi
-    /// 10.1145/356044.356047) on the supernodes of CHOLMOD; CHOLMOD itself would factor the last unknowns as well.
+    /// Factors all but the last `count` unknowns of the order, by the multifrontal method on the supernodes of CHOLMOD;
+    /// CHOLMOD itself would factor the last unknowns as well.
     /// Entries of the matrix among the last unknowns are not read. Afterwards fill_from_trailing(),
     /// reduce_to_trailing() and fill_from_trailing_loaded() may be called with this count.
     /// @return lower triangle, count x count: the term that the condensed unknowns add to the stiffness of the last

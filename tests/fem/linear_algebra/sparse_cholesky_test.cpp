@@ -89,7 +89,7 @@ namespace sparse_cholesky_test {
         }
     }
 
-    TEST(SparseCholesky, ARoundedFactorSolvesInSinglePrecisionAndTakesHalfOfTheMemory)
+    TEST(SparseCholesky, ARoundedFactorSolvesInSinglePrecisionAndLendsItsMemoryToTheNext)
     {
         for (const int n : { 1, 7, 120, 300 }) {
             Matrix m = random_matrix(n, static_cast<unsigned>(n));
@@ -111,7 +111,7 @@ namespace sparse_cholesky_test {
             cholesky.round_to_single();
             cholesky.round_to_single(); // changes nothing
             EXPECT_TRUE(cholesky.rounded());
-            EXPECT_LT(cholesky.bytes(), bytes);
+            EXPECT_EQ(cholesky.bytes(), bytes);
             const Eigen::VectorXd rounded = cholesky.solve_rounded(b);
             // Round-off of floats, times the condition of the scaled matrix (below 100).
             constexpr double kTol = 1e-5;
@@ -119,6 +119,7 @@ namespace sparse_cholesky_test {
             EXPECT_EQ(cholesky.solve_rounded(Eigen::VectorXd::Zero(n)).norm(), 0.0);
             cholesky.factorise(m.values);
             EXPECT_FALSE(cholesky.rounded());
+            EXPECT_EQ(cholesky.bytes(), bytes);
             EXPECT_LE((cholesky.solve(b) - x).norm(), 1e-10 * x.norm()) << n;
         }
     }
@@ -364,8 +365,24 @@ namespace sparse_cholesky_test {
             EXPECT_LE(multiply(x).topRows(n - last).norm(), 1e-13 * given.norm());
         }
         const Eigen::VectorXd b = test_support::random_entries(n, 1, 7);
+        const Eigen::VectorXd by_two_cores = dissected.solve(b);
         dissected.round_to_single();
         EXPECT_LE((multiply(dissected.solve_rounded(b)) - b).norm(), 1e-5 * b.norm());
+        set_solver_threads(1);
+        dissected.factorise(values); // in the memory of the rounded factor
+        const Eigen::VectorXd by_one_core = dissected.solve(b);
+        set_solver_threads(2);
+        EXPECT_EQ(by_one_core, by_two_cores);
+        for (const int unknown : { 0, n - 1 }) {
+            std::vector<double> indefinite = values;
+            indefinite[static_cast<std::size_t>(pattern.column_start[static_cast<std::size_t>(unknown) + 1]) - 1]
+                = -diagonal[unknown];
+            EXPECT_THROW(dissected.factorise(indefinite), SolverError);
+            EXPECT_FALSE(dissected.factorised());
+            EXPECT_GE(dissected.failed_unknown(), 0);
+        }
+        dissected.factorise(values);
+        EXPECT_EQ(dissected.solve(b), by_two_cores);
     }
 
     TEST(SparseCholesky, DenseBlocksOfAllSizesAreSolvedInBothPrecisions)

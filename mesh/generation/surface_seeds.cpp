@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
 #include <random>
 #include <unordered_map>
@@ -19,6 +20,8 @@ namespace {
     constexpr double kSeedSpacing = 2.0; ///< edge lengths between seeds; sparse, so that refinement decides the rest
     /// Largest spacing as a share of a small component's longest side, so that points lie all round the component.
     constexpr double kSpacingPerExtent = 0.5;
+    /// mm; about a usual spacing, so that a search looks into few cells. The seeds do not depend on it.
+    constexpr double kCell = 16.0;
     constexpr std::size_t kSmallestComponent = 6; ///< voxels; smaller components vanish by smoothing
 
     /// Root voxel of the face-connected component of each voxel.
@@ -34,14 +37,31 @@ namespace {
         return sets.roots();
     }
 
-    /// Adds a point unless another point is nearer than `distance` (mm).
-    bool add_apart(SpatialHash<Vec3>& points, const Vec3& p, double distance)
-    {
-        if (!points.visit_near(p, distance, [&](const Vec3& other) { return (other - p).norm() >= distance; }))
-            return false;
-        points.add(p, p);
-        return true;
-    }
+    /// Points that keep a distance from each other.
+    class PointsApart {
+    public:
+        /// Adds a point unless another point is nearer than `distance` (mm).
+        bool add(const Vec3& p, double distance)
+        {
+            // What was too near to the last point mostly is to its neighbour.
+            if ((too_near_ - p).norm() < distance)
+                return false;
+            const auto is_apart = [&](const Vec3& other) {
+                if ((other - p).norm() >= distance)
+                    return true;
+                too_near_ = other;
+                return false;
+            };
+            if (!points_.visit_near(p, distance, is_apart))
+                return false;
+            points_.add(p, p);
+            return true;
+        }
+
+    private:
+        SpatialHash<Vec3> points_ { kCell };
+        Vec3 too_near_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+    };
 
     struct Extent {
         std::size_t voxels = 0;
@@ -109,7 +129,7 @@ std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField&
         std::shuffle(borders.begin(), borders.end(), std::mt19937(order));
 
     std::vector<SurfaceSeed> seeds;
-    SpatialHash<Vec3> taken(4.0 * wall.spacing.maxCoeff());
+    PointsApart taken;
     for (const auto& [i, j, k, s] : borders) {
         const std::size_t at = wall.offset(i, j, k);
         const Extent& extent = extent_of.at(component[at]);
@@ -124,7 +144,7 @@ std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField&
         const double longest = ((extent.box.sizes().array() + 1).cast<double>() * wall.spacing.array()).maxCoeff();
         const double spacing
             = std::min(kSeedSpacing * size.edge(seed->point, seed->a, seed->b), kSpacingPerExtent * longest);
-        if (add_apart(taken, seed->point, spacing))
+        if (taken.add(seed->point, spacing))
             seeds.push_back(*seed);
     }
     return seeds;

@@ -412,34 +412,81 @@ namespace {
         }
     }
 
-    void move_into_place(const fs::path& from, const fs::path& to)
+    /// Files that an import moves into the case's folder. Unless keep() is called, the destructor deletes them again.
+    class Arrivals {
+    public:
+        Arrivals() = default;
+        Arrivals(const Arrivals&) = delete;
+        Arrivals& operator=(const Arrivals&) = delete;
+        ~Arrivals()
+        {
+            std::error_code ignored;
+            for (const fs::path& path : arrived_)
+                fs::remove(path, ignored);
+        }
+        /// @pre there is no file at `to`
+        void move(const fs::path& from, const fs::path& to)
+        {
+            arrived_.reserve(arrived_.size() + 1); // push_back() then cannot fail after the file was moved
+            std::error_code code;
+            fs::rename(from, to, code);
+            if (code)
+                throw IoError("cannot rename the finished file: " + code.message(), to.string());
+            arrived_.push_back(to);
+        }
+        void keep() { arrived_.clear(); }
+
+    private:
+        std::vector<fs::path> arrived_;
+    };
+
+    /// Writes a file into the folder for incomplete files. A failure names the file in the case's folder, since the
+    /// user does not know the other.
+    template <typename Write>
+    fs::path stage(const std::string& name, const fs::path& folder, const Staging& staging, Write&& write)
     {
-        std::error_code code;
-        fs::rename(from, to, code);
-        if (code)
-            throw IoError("cannot rename the finished file: " + code.message(), to.string());
+        fs::path staged = staging.folder() / name;
+        try {
+            write(staged);
+        } catch (const IoError& error) {
+            throw IoError(error.what(), (folder / name).string());
+        }
+        return staged;
     }
 
-    FileReference store_ct(const mesh::Volume& ct, const fs::path& folder, const Staging& staging)
+    /// The images of a case, complete, and not yet in its folder.
+    struct StagedImages {
+        fs::path labels, ct; ///< `ct` is empty without a CT
+    };
+
+    StagedImages stage_images(
+        const mesh::LabelVolume& labels, const mesh::Volume* ct, const fs::path& folder, const Staging& staging)
     {
-        const fs::path staged = staging.folder() / "ct.nrrd";
-        datasets::write_volume(staged, ct);
+        StagedImages staged;
+        staged.labels = stage(
+            "labels.nrrd", folder, staging, [&](const fs::path& path) { datasets::write_label_volume(path, labels); });
+        if (ct != nullptr)
+            staged.ct
+                = stage("ct.nrrd", folder, staging, [&](const fs::path& path) { datasets::write_volume(path, *ct); });
+        return staged;
+    }
+
+    FileReference settle_ct(const fs::path& staged, const fs::path& folder, Arrivals& arrivals)
+    {
         const fs::path path
             = place_for(folder, "ct", [&](const fs::path& other) { return checksum(staged) == checksum(other); });
         if (!fs::exists(path))
-            move_into_place(staged, path);
+            arrivals.move(staged, path);
         return make_reference(folder, path);
     }
 
-    FileReference store_labels(const mesh::LabelVolume& labels, const fs::path& folder, const Staging& staging)
+    FileReference settle_labels(const fs::path& staged, const fs::path& folder, Arrivals& arrivals)
     {
-        const fs::path staged = staging.folder() / "labels.nrrd";
-        datasets::write_label_volume(staged, labels);
         const fs::path path
             = place_for(folder, "labels", [&](const fs::path& other) { return same_labels(staged, other); });
         if (!fs::exists(path)) {
-            move_into_place(datasets::label_table_path(staged), datasets::label_table_path(path));
-            move_into_place(staged, path);
+            arrivals.move(datasets::label_table_path(staged), datasets::label_table_path(path));
+            arrivals.move(staged, path);
         }
         return make_reference(folder, path);
     }
@@ -520,10 +567,14 @@ Case write_import(const ImportedCase& imported, const fs::path& case_file)
     made.sizing.corridor_edge_mm = 8.0;
     make_folder(made.folder);
     const Staging staging(made.folder);
-    made.labels = store_labels(*imported.labels, made.folder, staging);
-    if (imported.ct != nullptr)
-        made.ct = store_ct(*imported.ct, made.folder, staging);
+    // Both are written before one is moved: a full disk leaves the folder as it was.
+    const StagedImages staged = stage_images(*imported.labels, imported.ct.get(), made.folder, staging);
+    Arrivals arrivals;
+    made.labels = settle_labels(staged.labels, made.folder, arrivals);
+    if (!staged.ct.empty())
+        made.ct = settle_ct(staged.ct, made.folder, arrivals);
     write_case(made);
+    arrivals.keep();
     return made;
 }
 
@@ -534,8 +585,11 @@ Case write_corrected_labels(Case planned_case, const mesh::LabelVolume& labels)
         [&](const AssumedVessel& vessel) { return is_labelled(vessel.name, labels.table); });
     check_case(planned_case);
     const Staging staging(planned_case.folder);
-    planned_case.labels = store_labels(labels, planned_case.folder, staging);
+    const StagedImages staged = stage_images(labels, nullptr, planned_case.folder, staging);
+    Arrivals arrivals;
+    planned_case.labels = settle_labels(staged.labels, planned_case.folder, arrivals);
     write_case(planned_case);
+    arrivals.keep();
     return planned_case;
 }
 

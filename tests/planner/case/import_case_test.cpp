@@ -11,6 +11,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <csignal>
+#include <cstdint>
+
+#include <sys/resource.h>
 
 namespace retractor::planner {
 namespace import_case_test {
@@ -193,6 +197,57 @@ namespace import_case_test {
         EXPECT_TRUE(imported.cancelled);
         EXPECT_THROW(write_import(imported, case_file()), InputError);
         EXPECT_FALSE(fs::exists(folder / "case"));
+    }
+
+    /// While it lives, this process writes no file beyond a size: a full disk, as far as one file meets it.
+    class FilesAtMost {
+    public:
+        explicit FilesAtMost(std::uintmax_t bytes)
+        {
+            ::getrlimit(RLIMIT_FSIZE, &before_);
+            rlimit limit = before_;
+            limit.rlim_cur = bytes;
+            ::setrlimit(RLIMIT_FSIZE, &limit);
+            handler_ = std::signal(SIGXFSZ, SIG_IGN);
+        }
+        FilesAtMost(const FilesAtMost&) = delete;
+        FilesAtMost& operator=(const FilesAtMost&) = delete;
+        ~FilesAtMost()
+        {
+            ::setrlimit(RLIMIT_FSIZE, &before_);
+            std::signal(SIGXFSZ, handler_);
+        }
+
+    private:
+        rlimit before_ {};
+        void (*handler_)(int) = SIG_DFL;
+    };
+
+    TEST_F(ImportCase, AFullDiskLeavesTheFolderAsItWas)
+    {
+        for (std::size_t v = 0; v < phantom.ct.voxels.size(); ++v) // so that compression leaves more than of the labels
+            phantom.ct.voxels[v] = static_cast<std::int16_t>(v * v % 1009);
+        datasets::write_volume(request.ct, phantom.ct);
+        request.accept_labels = true;
+        const ImportedCase imported = read_import(request);
+        write_import(imported, case_file());
+        const std::uintmax_t labels = fs::file_size(folder / "case" / "labels.nrrd"),
+                             ct = fs::file_size(folder / "case" / "ct.nrrd");
+        ASSERT_LT(2 * labels, ct);
+        fs::remove_all(folder / "case");
+        {
+            const FilesAtMost full((labels + ct) / 2);
+            try {
+                write_import(imported, case_file());
+                ADD_FAILURE() << "the CT was written";
+            } catch (const IoError& error) {
+                EXPECT_EQ(error.where(), (folder / "case" / "ct.nrrd").string());
+            }
+        }
+        EXPECT_EQ(names_in(folder / "case"), std::vector<std::string> {});
+        // The images are in place when the case cannot be written: no file name may be that long.
+        EXPECT_THROW(write_import(imported, folder / "case" / (std::string(300, 'c') + ".json")), IoError);
+        EXPECT_EQ(names_in(folder / "case"), std::vector<std::string> {});
     }
 
     TEST_F(ImportCase, AKilledImportsFilesAreRemovedByTheNext)

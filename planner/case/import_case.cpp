@@ -491,6 +491,20 @@ namespace {
         return make_reference(folder, path);
     }
 
+    /// Writes the case file, which refers to what has arrived. Where only its name could not be flushed to disk, the
+    /// file is in place although its writing failed: what it refers to then stays.
+    void write_case_of(const Case& planned_case, Arrivals& arrivals)
+    {
+        try {
+            write_case(planned_case);
+        } catch (const IoError&) {
+            if (content_of(planned_case.file()) == case_to_json(planned_case))
+                arrivals.keep();
+            throw;
+        }
+        arrivals.keep();
+    }
+
     /// The labels that hold the ribs: the spine, or the vertebrae when each has its own label. Without them, only the
     /// border of the meshed region holds the wall.
     std::vector<std::string> supporting_labels(const mesh::LabelTable& table)
@@ -573,8 +587,7 @@ Case write_import(const ImportedCase& imported, const fs::path& case_file)
     made.labels = settle_labels(staged.labels, made.folder, arrivals);
     if (!staged.ct.empty())
         made.ct = settle_ct(staged.ct, made.folder, arrivals);
-    write_case(made);
-    arrivals.keep();
+    write_case_of(made, arrivals);
     return made;
 }
 
@@ -588,8 +601,7 @@ Case write_corrected_labels(Case planned_case, const mesh::LabelVolume& labels)
     const StagedImages staged = stage_images(labels, nullptr, planned_case.folder, staging);
     Arrivals arrivals;
     planned_case.labels = settle_labels(staged.labels, planned_case.folder, arrivals);
-    write_case(planned_case);
-    arrivals.keep();
+    write_case_of(planned_case, arrivals);
     return planned_case;
 }
 

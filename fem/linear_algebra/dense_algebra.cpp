@@ -42,13 +42,12 @@ namespace {
         return work < kWorthAThread ? columns : columns / 2 / kTogether * kTogether;
     }
 
-    /// The column that divides the area of a lower triangle into halves.
-    Eigen::Index half_of_lower(Eigen::Index n)
-    {
-        return static_cast<Eigen::Index>((1.0 - std::sqrt(0.5)) * static_cast<double>(n));
-    }
-
 } // namespace
+
+Eigen::Index half_of_lower(Eigen::Index n)
+{
+    return static_cast<Eigen::Index>((1.0 - std::sqrt(0.5)) * static_cast<double>(n));
+}
 
 void mirror_lower(Eigen::MatrixXd& a)
 {
@@ -160,8 +159,8 @@ void copy_lower(const Eigen::MatrixXd& from, const std::vector<std::int32_t>& ro
     columns(0, half_of_lower(to.cols()));
 }
 
-void subtract_lower_product(
-    Eigen::Ref<Eigen::MatrixXd> a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c, Cores cores)
+void subtract_lower_product(Eigen::Ref<Eigen::MatrixXd> a, const Eigen::Ref<const Eigen::MatrixXd>& b,
+    const Eigen::Ref<const Eigen::MatrixXd>& c, Cores cores)
 {
     const Eigen::Index n = a.rows();
     constexpr Eigen::Index kColumns = 96;
@@ -171,8 +170,8 @@ void subtract_lower_product(
     const auto columns = [&](Eigen::Index from, Eigen::Index to) {
         for (Eigen::Index j = from; j < to; j += kColumns)
             cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, size(n - j), size(std::min(kColumns, to - j)),
-                size(b.cols()), -1.0, b.data() + j, size(n), c.data() + j, size(n), 1.0, a.col(j).data() + j,
-                size(a.outerStride()));
+                size(b.cols()), -1.0, b.data() + j, size(b.outerStride()), c.data() + j, size(c.outerStride()), 1.0,
+                a.col(j).data() + j, size(a.outerStride()));
     };
     if (cores == Cores::one)
         return columns(0, n);
@@ -268,12 +267,12 @@ void backward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b)
             L.data(), size(L.rows()), b.data(), size(b.rows()));
 }
 
-void divide_by_transpose(const Eigen::MatrixXd& L, Eigen::MatrixXd& b, Cores cores)
+void divide_by_transpose(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen::MatrixXd> b, Cores cores)
 {
     const auto rows = [&](Eigen::Index from, Eigen::Index to) {
         if (from < to && b.cols() > 0)
             cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, size(to - from),
-                size(b.cols()), 1.0, L.data(), size(L.rows()), b.data() + from, size(b.rows()));
+                size(b.cols()), 1.0, L.data(), size(L.outerStride()), b.data() + from, size(b.outerStride()));
     };
     constexpr Eigen::Index kTogether = 48, kWorthHalving = 200; // rows
     const Eigen::Index middle = b.rows() < kWorthHalving ? b.rows() : b.rows() / 2 / kTogether * kTogether;

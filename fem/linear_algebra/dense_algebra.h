@@ -23,8 +23,8 @@ void copy_lower(const Eigen::MatrixXd& from, const std::vector<std::int32_t>& ro
 
 /// a -= b c^T, computed in the lower triangle only; mirror_lower() completes the upper triangle.
 /// @pre b c^T is symmetric
-void subtract_lower_product(
-    Eigen::Ref<Eigen::MatrixXd> a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c, Cores cores = Cores::one);
+void subtract_lower_product(Eigen::Ref<Eigen::MatrixXd> a, const Eigen::Ref<const Eigen::MatrixXd>& b,
+    const Eigen::Ref<const Eigen::MatrixXd>& c, Cores cores = Cores::one);
 void mirror_lower(Eigen::MatrixXd& a); ///< copies the lower triangle onto the upper
 
 /// Replaces a lower triangular Cholesky factor L by the inverse of L L^T, both triangles.
@@ -41,7 +41,11 @@ void invert_from_factor(Eigen::MatrixXd& L);
 /// Solves in place with the lower triangle L (forward) or with its transpose (backward).
 void forward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b);
 void backward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b);
-void divide_by_transpose(const Eigen::MatrixXd& L, Eigen::MatrixXd& b, Cores cores = Cores::one); ///< b L^-T, in place
+/// b L^-T, in place. Only the lower triangle of L is read.
+void divide_by_transpose(
+    const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen::MatrixXd> b, Cores cores = Cores::one);
+/// The column that divides the area of a lower triangle of n columns into halves.
+Eigen::Index half_of_lower(Eigen::Index n);
 
 /// Replaces a symmetric positive definite matrix by its inverse.
 /// @throws SolverError naming `what` when the matrix is not positive definite

@@ -8,7 +8,6 @@
 #include <cblas.h>
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <memory>
 #include <utility>
@@ -49,56 +48,14 @@ namespace {
         return columns;
     }
 
-    /// Runs f(from, to) on two ranges of columns that divide a lower triangle of n columns into halves, at the same
-    /// time where two cores are asked for and the triangle is worth it. The ranges depend on n alone, so that one core
-    /// gives the same bits.
-    template <class F> void on_halves_of_lower(Eigen::Index n, Cores cores, const F& f)
-    {
-        constexpr Eigen::Index kWorthTwoCores = 400; // columns
-        if (cores == Cores::one || n < kWorthTwoCores)
-            return f(Eigen::Index { 0 }, n);
-        const auto middle = static_cast<Eigen::Index>((1.0 - std::sqrt(0.5)) * static_cast<double>(n));
-        const ScopedThread other([&] { f(middle, n); });
-        f(Eigen::Index { 0 }, middle);
-    }
+    constexpr Eigen::Index kWorthTwoCores = 400; ///< rows of an update
 
-    /// Divides the rows of a panel below its factored diagonal block by the transpose of this block.
-    void divide_by_block(double* panel, Eigen::Index own, Eigen::Index rows, Cores cores)
-    {
-        constexpr Eigen::Index kWorthTwoCores = 400; // rows
-        const auto divide = [&](Eigen::Index from, Eigen::Index to) {
-            cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, static_cast<int>(to - from),
-                static_cast<int>(own), 1.0, panel, static_cast<int>(rows), panel + from, static_cast<int>(rows));
-        };
-        if (cores == Cores::one || rows - own < kWorthTwoCores)
-            return divide(own, rows);
-        const Eigen::Index middle = (own + rows) / 2;
-        const ScopedThread other([&] { divide(middle, rows); });
-        divide(own, middle);
-    }
-
-    /// Subtracts the product of the panel below its diagonal block with its transpose from the lower triangle `update`.
-    void subtract_own_product(const double* panel, Eigen::Index own, Eigen::Index rows, double* update, Cores cores)
-    {
-        const int stride = static_cast<int>(rows), inner = static_cast<int>(own);
-        const Eigen::Index n = rows - own;
-        on_halves_of_lower(n, cores, [&](Eigen::Index from, Eigen::Index to) {
-            const double* b = panel + own + from;
-            const int columns = static_cast<int>(to - from), below = static_cast<int>(n - to);
-            cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, columns, inner, -1.0, b, stride, 1.0,
-                update + from * n + from, static_cast<int>(n));
-            if (below > 0)
-                cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, below, columns, inner, -1.0, panel + own + to,
-                    stride, b, stride, 1.0, update + from * n + to, static_cast<int>(n));
-        });
-    }
-
-    /// The lower triangle of an n x n matrix, stored by columns of n rows. Nothing above the diagonal is set.
+    /// The lower triangle of an n x n matrix, stored by columns of n rows. What lies above the diagonal has no meaning.
     struct Update {
         std::unique_ptr<double[]> values;
         std::size_t capacity = 0;
         Eigen::Index n = 0;
-        double* column(Eigen::Index j) { return values.get() + j * n; }
+        Eigen::Map<Eigen::MatrixXd> matrix() { return { values.get(), n, n }; }
         const double* column(Eigen::Index j) const { return values.get() + j * n; }
     };
 
@@ -124,7 +81,7 @@ namespace {
             }
             update.n = n;
             for (Eigen::Index j = 0; j < n; ++j)
-                std::fill_n(update.column(j) + j, n - j, 0.0);
+                std::fill_n(update.values.get() + j * n + j, n - j, 0.0);
             return update;
         }
         void give_back(Update update)
@@ -230,7 +187,7 @@ namespace {
             std::vector<Eigen::Index> row(static_cast<std::size_t>(n));
             for (Eigen::Index i = 0; i < n; ++i)
                 row[static_cast<std::size_t>(i)] = at[static_cast<std::size_t>(f_.row(s, first + i))];
-            on_halves_of_lower(n, cores, [&](Eigen::Index from, Eigen::Index to) {
+            const auto add_columns = [&](Eigen::Index from, Eigen::Index to) {
                 for (Eigen::Index j = from; j < to; ++j) {
                     const Eigen::Index column = row[static_cast<std::size_t>(j)], skipped = column < own ? 0 : own;
                     double* sum = column < own ? panel + column * rows : beyond + (column - own) * beyond_rows;
@@ -238,7 +195,11 @@ namespace {
                     for (Eigen::Index i = j; i < n; ++i)
                         sum[row[static_cast<std::size_t>(i)] - skipped] += added[i];
                 }
-            });
+            };
+            if (cores == Cores::one || n < kWorthTwoCores)
+                return add_columns(0, n);
+            const ScopedThread other([&] { add_columns(half_of_lower(n), n); });
+            add_columns(0, half_of_lower(n));
         }
 
         /// Factors one front.
@@ -267,8 +228,10 @@ namespace {
             if (const Eigen::Index stop = factor_block(panel, own, rows); stop >= 0)
                 return first + stop;
             if (below > 0) {
-                divide_by_block(panel, own, rows, cores);
-                subtract_own_product(panel, own, rows, update.values.get(), cores);
+                Eigen::Map<Eigen::MatrixXd> front(panel, rows, own);
+                const Cores worth = below < kWorthTwoCores ? Cores::one : cores;
+                divide_by_transpose(front.topRows(own), front.bottomRows(below), worth);
+                subtract_lower_product(update.matrix(), front.bottomRows(below), front.bottomRows(below), worth);
             }
             updates_[s] = std::move(update);
             return -1;

@@ -57,8 +57,8 @@ public:
 
     /// Rounds the factor to single precision, in place: half of the time of a solve, which is the time to read the
     /// factor. The rounded factor preconditions conjugate gradients as well as the factor does
-    /// (Arioli, Duff 2009, Electron. Trans. Numer. Anal. 33, 31-44). Until the next factorise() only solve_rounded()
-    /// may be called.
+    /// (Arioli, Duff 2009, Electron. Trans. Numer. Anal. 33, 31-44). Until the next factorise(), which takes the same
+    /// memory, only solve_rounded() may be called.
     /// @pre factorise() succeeded
     void round_to_single();
     bool rounded() const;

@@ -9,10 +9,59 @@
 
 #include <algorithm>
 #include <exception>
-#include <memory>
 #include <utility>
 
 namespace retractor::fem {
+
+FrontUpdate UpdateMemory::zeros(Eigen::Index n)
+{
+    const auto size = static_cast<std::size_t>(n * n);
+    FrontUpdate update;
+    {
+        const std::scoped_lock lock(mutex_);
+        const auto at = std::lower_bound(free_.begin(), free_.end(), size,
+            [](const FrontUpdate& one, std::size_t wanted) { return one.capacity < wanted; });
+        if (at != free_.end()) {
+            update = std::move(*at);
+            free_.erase(at);
+        } else if (!free_.empty()) {
+            free_.pop_back();
+        }
+    }
+    if (update.capacity < size) {
+        update.values.reset(new double[size]);
+        update.capacity = size;
+    }
+    update.n = n;
+    for (Eigen::Index j = 0; j < n; ++j)
+        std::fill_n(update.values.get() + j * n + j, n - j, 0.0);
+    return update;
+}
+
+void UpdateMemory::give_back(FrontUpdate update)
+{
+    if (update.capacity == 0)
+        return;
+    const std::scoped_lock lock(mutex_);
+    free_.insert(std::upper_bound(free_.begin(), free_.end(), update,
+                     [](const FrontUpdate& a, const FrontUpdate& b) { return a.capacity < b.capacity; }),
+        std::move(update));
+}
+
+std::size_t UpdateMemory::bytes() const
+{
+    const std::scoped_lock lock(mutex_);
+    std::size_t sum = 0;
+    for (const FrontUpdate& update : free_)
+        sum += update.capacity * sizeof(double);
+    return sum;
+}
+
+void UpdateMemory::release()
+{
+    const std::scoped_lock lock(mutex_);
+    free_ = std::vector<FrontUpdate>();
+}
 
 namespace {
 
@@ -50,62 +99,18 @@ namespace {
 
     constexpr Eigen::Index kWorthTwoCores = 400; ///< rows of an update
 
-    /// The lower triangle of an n x n matrix, stored by columns of n rows. What lies above the diagonal has no meaning.
-    struct Update {
-        std::unique_ptr<double[]> values;
-        std::size_t capacity = 0;
-        Eigen::Index n = 0;
-        Eigen::Map<Eigen::MatrixXd> matrix() { return { values.get(), n, n }; }
-        const double* column(Eigen::Index j) const { return values.get() + j * n; }
-    };
-
-    /// Memory of updates that are no longer needed, for later updates: fresh memory costs as much time as the
-    /// arithmetic.
-    class UpdateMemory {
-    public:
-        /// An update of zeros, in the smallest free memory that holds it. Where none does, the largest is given up.
-        Update zeros(Eigen::Index n)
-        {
-            const auto size = static_cast<std::size_t>(n * n);
-            auto at = std::lower_bound(free_.begin(), free_.end(), size,
-                [](const Update& update, std::size_t wanted) { return update.capacity < wanted; });
-            Update update;
-            if (at != free_.end()) {
-                update = std::move(*at);
-                free_.erase(at);
-            } else {
-                if (!free_.empty())
-                    free_.pop_back();
-                update.values.reset(new double[size]);
-                update.capacity = size;
-            }
-            update.n = n;
-            for (Eigen::Index j = 0; j < n; ++j)
-                std::fill_n(update.values.get() + j * n + j, n - j, 0.0);
-            return update;
-        }
-        void give_back(Update update)
-        {
-            if (update.capacity > 0)
-                free_.insert(std::upper_bound(free_.begin(), free_.end(), update,
-                                 [](const Update& a, const Update& b) { return a.capacity < b.capacity; }),
-                    std::move(update));
-        }
-
-    private:
-        std::vector<Update> free_; ///< by rising capacity
-    };
-
     /// The dense fronts of all supernodes. A front has the supernode's own columns and the rows below that these
     /// columns reach.
     class Fronts {
     public:
-        Fronts(const Supernodes& f, double* x, Eigen::Index end, Columns matrix, const std::vector<double>& values)
+        Fronts(const Supernodes& f, double* x, Eigen::Index end, Columns matrix, const std::vector<double>& values,
+            UpdateMemory& memory)
             : f_(f)
             , x_(x)
             , end_(end)
             , matrix_(std::move(matrix))
             , values_(values)
+            , memory_(memory)
             , children_(f.count)
             , updates_(f.count)
         {
@@ -113,35 +118,41 @@ namespace {
                 if (const std::int32_t p = parent(s); p >= 0)
                     children_[static_cast<std::size_t>(p)].push_back(s);
         }
+        Fronts(const Fronts&) = delete;
+        Fronts& operator=(const Fronts&) = delete;
+        ~Fronts()
+        {
+            for (FrontUpdate& update : updates_) // of a factorisation that stopped, or of fronts without a parent
+                memory_.give_back(std::move(update));
+        }
 
         /// Factors all fronts. @return as PartialFactor::stopped_at
         Eigen::Index factor_all()
         {
             const TwoParts parts = two_parts(f_, end_);
-            const auto all_of = [&](const std::vector<std::size_t>& falling, Work& work, Cores cores) {
+            const auto all_of = [&](const std::vector<std::size_t>& falling, RowOf& at, Cores cores) {
                 for (auto s = falling.rbegin(); s != falling.rend(); ++s)
-                    if (const Eigen::Index stop = factor(*s, work, cores); stop >= 0)
+                    if (const Eigen::Index stop = factor(*s, at, cores); stop >= 0)
                         return stop;
                 return Eigen::Index { -1 };
             };
-            Work work { f_.size }, others { f_.size };
+            RowOf at(static_cast<std::size_t>(f_.size), -1), other_at = at;
             Eigen::Index stop = -1, other_stop = -1;
             std::exception_ptr failed; // exception of the other thread, e.g. out of memory; rethrown in this thread
             {
                 const ScopedThread other([&] {
                     try {
-                        other_stop = all_of(parts.below[1], others, Cores::one);
+                        other_stop = all_of(parts.below[1], other_at, Cores::one);
                     } catch (...) {
                         failed = std::current_exception();
                     }
                 });
-                stop = all_of(parts.below[0], work, Cores::one);
+                stop = all_of(parts.below[0], at, Cores::one);
             }
             if (failed)
                 std::rethrow_exception(failed);
             stop = std::max(stop, other_stop);
-            others.memory = {};
-            return stop >= 0 ? stop : all_of(parts.above, work, Cores::two);
+            return stop >= 0 ? stop : all_of(parts.above, at, Cores::two);
         }
 
         /// Sum of the updates of all fronts without a parent. @pre factor_all() succeeded
@@ -158,15 +169,8 @@ namespace {
         }
 
     private:
-        /// What one thread works with.
-        struct Work {
-            explicit Work(Eigen::Index unknowns)
-                : at(static_cast<std::size_t>(unknowns), -1)
-            {
-            }
-            std::vector<std::int32_t> at; ///< row of each unknown in the front at hand; -1 between two fronts
-            UpdateMemory memory;
-        };
+        /// The row of each unknown in the front at hand; -1 between two fronts. Each thread has its own.
+        using RowOf = std::vector<std::int32_t>;
 
         Eigen::Index columns(std::size_t s) const { return std::min<Eigen::Index>(f_.columns(s), end_ - f_.first[s]); }
 
@@ -180,8 +184,8 @@ namespace {
         /// Adds the update of supernode s to a front. The first `own` columns of the front lie in `panel` (`rows`
         /// rows), the others in `beyond` (`beyond_rows` rows).
         /// @param at row of each unknown in the front; rises with the unknowns
-        void take_update(const Update& update, std::size_t s, const std::vector<std::int32_t>& at, double* panel,
-            Eigen::Index rows, Eigen::Index own, double* beyond, Eigen::Index beyond_rows, Cores cores) const
+        void take_update(const FrontUpdate& update, std::size_t s, const RowOf& at, double* panel, Eigen::Index rows,
+            Eigen::Index own, double* beyond, Eigen::Index beyond_rows, Cores cores) const
         {
             const Eigen::Index first = columns(s), n = update.n;
             std::vector<Eigen::Index> row(static_cast<std::size_t>(n));
@@ -204,9 +208,8 @@ namespace {
 
         /// Factors one front.
         /// @return as factor_all()
-        Eigen::Index factor(std::size_t s, Work& work, Cores cores)
+        Eigen::Index factor(std::size_t s, RowOf& at, Cores cores)
         {
-            std::vector<std::int32_t>& at = work.at;
             const Eigen::Index rows = f_.rows(s), own = columns(s), below = rows - own, first = f_.first[s];
             double* panel = x_ + f_.value_start[s];
             std::fill_n(panel, rows * own, 0.0);
@@ -217,11 +220,11 @@ namespace {
                      k < matrix_.start[static_cast<std::size_t>(first + c) + 1]; ++k)
                     panel[c * rows + at[static_cast<std::size_t>(matrix_.entries[k].row)]]
                         += values_[static_cast<std::size_t>(matrix_.entries[k].source)];
-            Update update = work.memory.zeros(below);
+            FrontUpdate update = memory_.zeros(below);
             for (const std::size_t child : children_[s]) {
-                Update taken = std::exchange(updates_[child], {});
+                FrontUpdate taken = std::exchange(updates_[child], {});
                 take_update(taken, child, at, panel, rows, own, update.values.get(), below, cores);
-                work.memory.give_back(std::move(taken));
+                memory_.give_back(std::move(taken));
             }
             for (Eigen::Index i = 0; i < rows; ++i)
                 at[static_cast<std::size_t>(f_.row(s, i))] = -1;
@@ -242,19 +245,20 @@ namespace {
         Eigen::Index end_;
         Columns matrix_;
         const std::vector<double>& values_;
+        UpdateMemory& memory_;
         std::vector<std::vector<std::size_t>> children_;
         /// Updates on the rows below (lower triangles), until the parent adds them.
-        std::vector<Update> updates_;
+        std::vector<FrontUpdate> updates_;
     };
 
 } // namespace
 
 PartialFactor factor_before(const Supernodes& f, double* x, Eigen::Index end, const SymmetricPattern& pattern,
-    const std::vector<std::int32_t>& place, const std::vector<double>& values)
+    const std::vector<std::int32_t>& place, const std::vector<double>& values, UpdateMemory& memory)
 {
     RETRACTOR_ASSERT(end >= 0 && end <= f.size);
     RETRACTOR_ASSERT(place.size() == static_cast<std::size_t>(f.size) && values.size() == pattern.row.size());
-    Fronts fronts(f, x, end, columns_before(end, pattern, place), values);
+    Fronts fronts(f, x, end, columns_before(end, pattern, place), values, memory);
     PartialFactor partial;
     partial.stopped_at = fronts.factor_all();
     if (partial.stopped_at < 0)

@@ -8,10 +8,37 @@
 
 #include <Eigen/Core>
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 namespace retractor::fem {
+
+/// The lower triangle of an n x n matrix, stored by columns of n rows. What lies above the diagonal has no meaning.
+struct FrontUpdate {
+    std::unique_ptr<double[]> values;
+    std::size_t capacity = 0;
+    Eigen::Index n = 0;
+    Eigen::Map<Eigen::MatrixXd> matrix() { return { values.get(), n, n }; }
+    const double* column(Eigen::Index j) const { return values.get() + j * n; }
+};
+
+/// Memory of updates that are no longer needed, for later updates and for the next factorisation: fresh memory costs as
+/// much time as the arithmetic. May be used by two threads at the same time.
+class UpdateMemory {
+public:
+    /// An update of zeros, in the smallest free memory that holds it. Where none does, the largest is given up.
+    FrontUpdate zeros(Eigen::Index n);
+    void give_back(FrontUpdate update);
+    std::size_t bytes() const; ///< of the free memory
+    void release();
+
+private:
+    mutable std::mutex mutex_;
+    std::vector<FrontUpdate> free_; ///< by rising capacity
+};
 
 struct PartialFactor {
     Eigen::MatrixXd trailing; ///< lower triangle: the term that the condensed first unknowns add among the last
@@ -24,7 +51,8 @@ struct PartialFactor {
 /// @param f the analysed factor
 /// @param x values of the factor; the function writes the columns before `end`
 /// @param place position in the order of elimination, per unknown
+/// @param memory receives the memory that the factorisation took, about half of the factor's
 PartialFactor factor_before(const Supernodes& f, double* x, Eigen::Index end, const SymmetricPattern& pattern,
-    const std::vector<std::int32_t>& place, const std::vector<double>& values);
+    const std::vector<std::int32_t>& place, const std::vector<double>& values, UpdateMemory& memory);
 
 } // namespace retractor::fem

@@ -301,6 +301,7 @@ struct SparseCholesky::State {
     float* single = nullptr; ///< values of the factor in single precision, in place of those in double precision
     std::int32_t failed = -1;
     double rcond = 0.0;
+    UpdateMemory updates; ///< of the last factorisation, for the next one
 
     State()
     {
@@ -324,6 +325,7 @@ struct SparseCholesky::State {
     {
         release_single();
         cholmod_free_factor(&factor, &common);
+        updates.release();
         factorised = false;
     }
     void release_single()
@@ -372,7 +374,8 @@ struct SparseCholesky::State {
             fail("the factorisation");
     }
     /// Factors all but the last `count` unknowns of the order. @return as PartialFactor::trailing
-    Eigen::MatrixXd factorise_on_two_cores(const std::vector<double>& values, Eigen::Index count = 0)
+    Eigen::MatrixXd factorise_on_two_cores(
+        const std::vector<double>& values, UpdateMemory& memory, Eigen::Index count = 0)
     {
         // Allocates the values; a factor with values is overwritten.
         if (cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, factor, &common) == 0)
@@ -380,7 +383,7 @@ struct SparseCholesky::State {
         const Supernodes f(*factor);
         PartialFactor partial;
         try {
-            partial = factor_before(f, static_cast<double*>(factor->x), f.size - count, pattern, place, values);
+            partial = factor_before(f, static_cast<double*>(factor->x), f.size - count, pattern, place, values, memory);
         } catch (const std::bad_alloc&) {
             common.status = CHOLMOD_OUT_OF_MEMORY;
             fail("the factorisation");
@@ -505,7 +508,7 @@ void SparseCholesky::factorise(const std::vector<double>& values)
     s.reuse_single();
     s.refuse_what_does_not_fit();
     if (s.factor->n >= kUnknownsWorthAThread)
-        s.factorise_on_two_cores(values);
+        s.factorise_on_two_cores(values, s.updates);
     else
         s.factorise_by_cholmod(values);
     s.rcond = cholmod_rcond(s.factor, &s.common);
@@ -653,7 +656,8 @@ Eigen::MatrixXd SparseCholesky::condense(const std::vector<double>& values, Eige
     s.failed = -1;
     s.check(values);
     s.release_single();
-    return s.factorise_on_two_cores(values, count);
+    UpdateMemory memory; // a condensed part is seldom condensed again
+    return s.factorise_on_two_cores(values, memory, count);
 }
 
 Eigen::MatrixXd SparseCholesky::trailing_factor(Eigen::Index count) const
@@ -709,6 +713,7 @@ void SparseCholesky::keep_factor_only()
 {
     State& s = *state_;
     cholmod_free_work(&s.common);
+    s.updates.release();
     s.pattern = {};
 }
 
@@ -717,7 +722,7 @@ bool SparseCholesky::factorised() const { return state_->factorised; }
 double SparseCholesky::reciprocal_condition() const { return state_->rcond; }
 std::size_t SparseCholesky::bytes() const
 {
-    return state_->common.memory_inuse + state_->place.size() * sizeof(std::int32_t);
+    return state_->common.memory_inuse + state_->updates.bytes() + state_->place.size() * sizeof(std::int32_t);
 }
 
 } // namespace retractor::fem

@@ -383,6 +383,13 @@ namespace sparse_cholesky_test {
         }
         dissected.factorise(values);
         EXPECT_EQ(dissected.solve(b), by_two_cores);
+        // The memory of the updates is kept, and does not grow: the same sizes come again, in another order.
+        const std::size_t bytes = dissected.bytes();
+        constexpr double kMostGrown = 1.5;
+        for (int again = 0; again < 10; ++again) {
+            dissected.factorise(values);
+            EXPECT_LE(static_cast<double>(dissected.bytes()), kMostGrown * static_cast<double>(bytes));
+        }
     }
 
     TEST(SparseCholesky, DenseBlocksOfAllSizesAreSolvedInBothPrecisions)

@@ -171,26 +171,58 @@ std::shared_ptr<const TriMesh> ApertureScorer::surface_of(std::string_view organ
     return patient_.has_voxels(organ) ? patient_.organ(organ) : std::make_shared<const TriMesh>();
 }
 
+namespace {
+
+    /// Where a saw enters the skin and where its foot runs.
+    struct SawWay {
+        std::vector<Vec3> skin, inner;
+    };
+    SawWay saw_through(const std::vector<ApertureSection>& sections)
+    {
+        SawWay way;
+        for (const ApertureSection& section : sections) {
+            way.skin.push_back(section.skin);
+            way.inner.push_back(section.inner);
+        }
+        return way;
+    }
+
+    mesh::Blade blade_through(const std::vector<ApertureSection>& sections)
+    {
+        mesh::Blade blade;
+        blade.depth_mm = 0.0;
+        for (const ApertureSection& section : sections) {
+            blade.line.push_back(section.skin);
+            blade.directions.push_back((section.inner - section.skin).normalized());
+            blade.depth_mm = std::max(blade.depth_mm, (section.inner - section.skin).norm() + kDepthMarginMm);
+        }
+        return blade;
+    }
+
+} // namespace
+
 std::vector<RiskDistance> ApertureScorer::risks_of_saw(const std::vector<ApertureSection>& sections) const
 {
-    std::vector<Vec3> skin, inner;
-    for (const ApertureSection& section : sections) {
-        skin.push_back(section.skin);
-        inner.push_back(section.inner);
-    }
-    return saw_risk_distances(skin, inner, *labels_, [this](std::string_view organ) { return surface_of(organ); });
+    const SawWay way = saw_through(sections);
+    return saw_risk_distances(
+        way.skin, way.inner, *labels_, [this](std::string_view organ) { return surface_of(organ); });
 }
 
 std::vector<RiskDistance> ApertureScorer::exact_risks(const std::vector<ApertureSection>& sections) const
 {
-    mesh::Blade blade;
-    blade.depth_mm = 0.0;
-    for (const ApertureSection& section : sections) {
-        blade.line.push_back(section.skin);
-        blade.directions.push_back((section.inner - section.skin).normalized());
-        blade.depth_mm = std::max(blade.depth_mm, (section.inner - section.skin).norm() + kDepthMarginMm);
-    }
-    return risk_distances(blade, *labels_, [this](std::string_view organ) { return surface_of(organ); });
+    return risk_distances(
+        blade_through(sections), *labels_, [this](std::string_view organ) { return surface_of(organ); });
+}
+
+std::vector<RiskDistance> ApertureScorer::assumed_risks(
+    const std::vector<ApertureSection>& sections, ApertureKind kind) const
+{
+    const SawWay way = saw_through(sections);
+    const TriMesh surface = kind == ApertureKind::sternum ? saw_surface(way.skin, way.inner)
+                                                          : mesh::SweptBlade(blade_through(sections)).surface();
+    std::vector<RiskDistance> risks = assumed_distances(surface, patient_.planned_case().assumed_vessels);
+    keep_nearest_bundle(risks);
+    return risks;
 }
 
 Candidate ApertureScorer::score(const std::vector<ApertureSection>& sections, const ApertureWidth& width,

@@ -62,6 +62,9 @@ public:
     /// Distances of structures at risk from a knife's blade, as risk_distances() measures them on whole surfaces.
     /// score() takes points 3 mm apart for a knife, and whole surfaces for the one saw.
     std::vector<RiskDistance> exact_risks(const std::vector<ApertureSection>& sections) const;
+    /// Distances of assumed vessels from the same blade, or from a saw; of the intercostal bundles the nearest and
+    /// those that are cut.
+    std::vector<RiskDistance> assumed_risks(const std::vector<ApertureSection>& sections, ApertureKind kind) const;
 
 private:
     struct RiskPoint {

@@ -8,6 +8,7 @@
 #include "planner/approach/approach_templates.h"
 #include "planner/approach/retractors.h"
 #include "planner/measures/bones/bone_limits.h"
+#include "planner/measures/risk_distances.h"
 #include "planner/search/aperture_score.h"
 #include "planner/search/held_open.h"
 #include "planner/search/incision_lines.h"
@@ -177,12 +178,12 @@ namespace {
         /// may lie in its way.
         bool is_near_risk(const FoundIncision& incision) const
         {
-            const std::vector<RiskDistance>& risks = incision.candidate.field.at_risk;
-            if (risks.empty())
-                return false;
-            const double nearest = risks.front().distance_mm;
-            return incision.kind == FoundIncision::Kind::sternum ? !(nearest > 0.0)
-                                                                 : nearest < request.limits.from_risk_mm;
+            const auto is_too_near = [&](const RiskDistance& risk) {
+                return !risk.is_assumed
+                    && (incision.kind == FoundIncision::Kind::sternum ? !(risk.distance_mm > 0.0)
+                                                                      : risk.distance_mm < request.limits.from_risk_mm);
+            };
+            return std::ranges::any_of(incision.candidate.field.at_risk, is_too_near);
         }
 
         bool is_proposal(const FoundIncision& incision) const
@@ -206,14 +207,18 @@ namespace {
             largest_bound_mm2 = std::max(largest_bound_mm2, incision.candidate.field.best_eye.bound_area_mm2);
         }
 
-        /// Measures the distances from structures at risk on their whole surfaces, as plans do. Those of the saw are
-        /// measured so already.
+        /// Measures the distances from structures at risk on their whole surfaces, as plans do, and those from assumed
+        /// vessels. Those of the saw from labels are measured so already.
         void measure_risks(FoundIncision& incision, const std::vector<ApertureSection>& sections)
         {
-            if (incision.kind == FoundIncision::Kind::sternum)
-                return rescale(incision);
+            std::vector<RiskDistance>& risks = incision.candidate.field.at_risk;
             try {
-                incision.candidate.field.at_risk = scorer.exact_risks(sections);
+                const ApertureKind kind
+                    = incision.kind == FoundIncision::Kind::sternum ? ApertureKind::sternum : ApertureKind::skin;
+                std::vector<RiskDistance> all = kind == ApertureKind::sternum ? risks : scorer.exact_risks(sections);
+                const std::vector<RiskDistance> assumed = scorer.assumed_risks(sections, kind);
+                all.insert(all.end(), assumed.begin(), assumed.end());
+                risks = nearest_risks(std::move(all));
             } catch (const InputError&) { // a blade that folds over itself is refused when its approach is made
                 return;
             }

@@ -61,10 +61,11 @@ struct FoundIncision {
     double length_mm = 0.0;
     double opening_mm = 0.0; ///< between hooks or blades on the skin; the hole is narrower by their steel
     double own_seen = 0.0, own_reached = 0.0; ///< shares of what the eyes at this incision could see
-    /// A structure at risk lies nearer to the blade than the limits allow, or in the way of a saw.
+    /// A labelled structure at risk lies nearer to the blade than the limits allow, or in the way of a saw.
     bool near_risk = false;
     /// What rays tell. Here the shares of the target are of the largest area that an eye at any of the incisions would
     /// see with the wall removed, so that an incision on the side where organs hide the target gets what it shows.
+    /// Its at_risk has assumed vessels only in what the search ends with.
     Candidate candidate {};
     double points_of_100 = 0.0; ///< score without the force
 };

@@ -235,6 +235,28 @@ namespace incision_search_test {
         EXPECT_LT(search.found.front().candidate.field.at_risk.front().distance_mm, 100.0);
     }
 
+    TEST(IncisionSearch, NamesTheAssumedVesselsThatABladeMayCut)
+    {
+        SearchRequest request = chest_request();
+        request.limits.right = false;
+        const IncisionSearch without = search_incisions(chest(), request);
+        ASSERT_FALSE(without.found.empty());
+        const FoundIncision& best = without.found.front();
+        Case with_vessel = chest().planned_case();
+        const Vec3 across = Vec3::UnitZ(); // a space runs round the chest
+        with_vessel.assumed_vessels
+            = { { .name = "vessel", .line = { best.middle - 60.0 * across, best.middle + 60.0 * across } } };
+        Patient patient(with_vessel);
+        const IncisionSearch with = search_incisions(patient, request);
+        ASSERT_FALSE(with.found.empty());
+        EXPECT_DOUBLE_EQ(with.found.front().points_of_100, best.points_of_100) << "assumed places do not count";
+        const std::vector<RiskDistance>& risks = with.found.front().candidate.field.at_risk;
+        ASSERT_FALSE(risks.empty());
+        EXPECT_EQ(risks.front().name, "vessel");
+        EXPECT_TRUE(risks.front().is_assumed);
+        EXPECT_EQ(risks.front().distance_mm, 0.0);
+    }
+
     TEST(IncisionSearch, MakesTheApproachThatItFound)
     {
         SearchRequest request = chest_request();

@@ -6,6 +6,7 @@
 #include "planner/case/case_io.h"
 #include "planner/case/patient.h"
 #include "planner/measures/comparison.h"
+#include "planner/measures/risk_distances.h"
 #include "planner/search/found_approach.h"
 #include "planner/search/incision_search.h"
 #include "planner/search/search_plans.h"
@@ -109,7 +110,8 @@ namespace {
             points.push_back({ point.x(), point.y(), point.z() });
         Json nearest = nullptr;
         if (!field.at_risk.empty())
-            nearest = { { "name", field.at_risk.front().name }, { "distance_mm", field.at_risk.front().distance_mm } };
+            nearest = { { "name", field.at_risk.front().name }, { "distance_mm", field.at_risk.front().distance_mm },
+                { "is_assumed", field.at_risk.front().is_assumed } };
         return { { "place", planner::place_in_words(incision) }, { "length_mm", incision.length_mm },
             { "opening_mm", incision.opening_mm }, { "points_without_force", incision.points_of_100 },
             { "seen_of_what_can_be_seen", field.seen_best_eye },
@@ -117,15 +119,20 @@ namespace {
             { "coaxiality_deg", field.coaxiality_deg }, { "points_mm", points }, { "nearest_at_risk", nearest } };
     }
 
-    /// ", heart 0.4 mm from the saw"; empty: nothing is near.
+    /// ", heart 0.4 mm from the saw, may cut left mammary artery (assumed place)"; empty: nothing is near.
     std::string near_risk_text(const planner::FoundIncision& incision)
     {
         constexpr double kNearMm = 2.0;
-        const std::vector<planner::RiskDistance>& risks = incision.candidate.field.at_risk;
-        if (risks.empty() || risks.front().distance_mm >= kNearMm)
-            return {};
-        return ", " + readable(risks.front().name) + " " + in_words(risks.front().distance_mm, 1) + " mm from the "
-            + (incision.kind == planner::FoundIncision::Kind::sternum ? "saw" : "blade");
+        const std::string tool = incision.kind == planner::FoundIncision::Kind::sternum ? "saw" : "blade";
+        std::string text;
+        std::vector<std::string> cut;
+        for (const planner::RiskDistance& risk : incision.candidate.field.at_risk) {
+            if (risk.is_assumed && !(risk.distance_mm > 0.0))
+                cut.push_back(planner::risk_name(risk));
+            else if (risk.distance_mm < kNearMm)
+                text += ", " + planner::risk_name(risk) + " " + in_words(risk.distance_mm, 1) + " mm from the " + tool;
+        }
+        return cut.empty() ? text : text + ", may cut " + joined(cut);
     }
 
     std::string sweep_text(const planner::IncisionSearch& search)
@@ -145,7 +152,8 @@ namespace {
         constexpr int kHighSpace = 2;
         if (std::ranges::any_of(search.found,
                 [](const planner::FoundIncision& one) { return one.space && one.space->number <= kHighSpace; }))
-            text += "Structures without a label are not considered: vessels and nerves of the arm cross the first two "
+            text += "Other structures without a label are not considered: vessels and nerves of the arm cross the "
+                    "first two "
                     "spaces.\n";
         return text;
     }

@@ -65,23 +65,28 @@ namespace {
 
     constexpr double kImpossible = -1e6;
 
-    /// Finds the path of best total score, with a shift of at most one voxel per slice. `score(i, j, k)` gives the
-    /// score.
+    /// Finds the path of best total score, with a shift of at most one voxel per slice. In a slice without a place that
+    /// can be reached (empty slices at the ends of an image, or corners of an oblique one) the path stays where it is.
+    /// `score(i, j, k)` gives the score.
     template <typename Score>
     std::vector<std::array<int, 2>> best_path(const mesh::ImageGrid& grid, double shift_cost, const Score& score)
     {
         const int nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
         const auto slice = static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny);
-        std::vector<float> best(slice), next(slice);
-        std::vector<std::int8_t> from(slice * static_cast<std::size_t>(nz), 4);
+        std::vector<float> best(slice, 0.0F), next(slice);
+        constexpr double kUnreached = -1e30;
+        constexpr std::int8_t kStays = 4;
+        std::vector<std::int8_t> from(slice * static_cast<std::size_t>(nz), kStays);
+        bool has_begun = false;
         for (int k = 0; k < nz; ++k) {
+            bool is_reached = false;
             for (int j = 0; j < ny; ++j)
                 for (int i = 0; i < nx; ++i) {
                     const std::size_t n
                         = static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i);
                     const double here = score(i, j, k);
-                    double most = k == 0 ? 0.0 : -1e30;
-                    if (k > 0 && here > kImpossible)
+                    double most = has_begun ? kUnreached : 0.0;
+                    if (has_begun && here > kImpossible)
                         for (int dj = -1; dj <= 1; ++dj)
                             for (int di = -1; di <= 1; ++di) {
                                 if (i + di < 0 || i + di >= nx || j + dj < 0 || j + dj >= ny)
@@ -94,8 +99,12 @@ namespace {
                                         = static_cast<std::int8_t>((dj + 1) * 3 + di + 1);
                                 }
                             }
-                    next[n] = static_cast<float>(std::max(most + here, -1e30));
+                    is_reached = is_reached || (here > kImpossible && most > kUnreached);
+                    next[n] = static_cast<float>(std::max(most + here, kUnreached));
                 }
+            if (!is_reached)
+                continue; // and nothing was noted in `from`
+            has_begun = true;
             std::swap(best, next);
         }
         std::vector<std::array<int, 2>> path(static_cast<std::size_t>(nz));

@@ -477,7 +477,14 @@ Segmentation autosegment(const mesh::Volume& ct, const AutosegmentOptions& optio
 {
     check(ct, options);
     segmentation::set_filter_threads(std::max(1, job.threads));
-    return Segmenter(ct, options, job).run();
+    const segmentation::EmptyEnds ends = segmentation::empty_ends(ct);
+    if (ends.before + ends.after == 0)
+        return Segmenter(ct, options, job).run();
+    Segmentation found = Segmenter(segmentation::without(ct, ends), options, job).run();
+    found.warnings.insert(found.warnings.begin(),
+        "the image has " + std::to_string(ends.before + ends.after)
+            + " empty slices at its ends: they were left out, and the body goes on beyond");
+    return found;
 }
 
 } // namespace retractor::datasets

@@ -201,6 +201,52 @@ void for_planes(int count, int threads, const std::function<void(int)>& work)
         std::rethrow_exception(failure);
 }
 
+EmptyEnds empty_ends(const mesh::Volume& ct)
+{
+    EmptyEnds ends;
+    ct.grid.direction.row(2).cwiseAbs().maxCoeff(&ends.axis);
+    const std::array<int, 3>& size = ct.grid.size;
+    const auto axis = static_cast<std::size_t>(ends.axis);
+    const auto is_empty = [&](int plane) {
+        std::array<int, 3> low { 0, 0, 0 }, high { size[0] - 1, size[1] - 1, size[2] - 1 };
+        low[axis] = high[axis] = plane;
+        const std::int16_t value = ct.voxels[ct.grid.offset(low[0], low[1], low[2])];
+        for (int k = low[2]; k <= high[2]; ++k)
+            for (int j = low[1]; j <= high[1]; ++j)
+                for (int i = low[0]; i <= high[0]; ++i)
+                    if (ct.voxels[ct.grid.offset(i, j, k)] != value)
+                        return false;
+        return true;
+    };
+    while (ends.before < size[axis] && is_empty(ends.before))
+        ++ends.before;
+    if (ends.before == size[axis])
+        return { .axis = ends.axis };
+    while (is_empty(size[axis] - 1 - ends.after))
+        ++ends.after;
+    return ends;
+}
+
+mesh::Volume without(const mesh::Volume& ct, const EmptyEnds& ends)
+{
+    const auto axis = static_cast<std::size_t>(ends.axis);
+    RETRACTOR_ASSERT(ends.before >= 0 && ends.after >= 0 && ends.before + ends.after < ct.grid.size[axis]);
+    mesh::Volume rest;
+    rest.grid = ct.grid;
+    rest.grid.size[axis] -= ends.before + ends.after;
+    std::array<int, 3> first { 0, 0, 0 };
+    first[axis] = ends.before;
+    rest.grid.origin = ct.grid.world(Vec3(first[0], first[1], first[2]));
+    rest.voxels.reserve(rest.grid.voxel_count());
+    for (int k = 0; k < rest.grid.size[2]; ++k)
+        for (int j = 0; j < rest.grid.size[1]; ++j) {
+            const auto row
+                = ct.voxels.begin() + static_cast<std::ptrdiff_t>(ct.grid.offset(first[0], j + first[1], k + first[2]));
+            rest.voxels.insert(rest.voxels.end(), row, row + rest.grid.size[0]);
+        }
+    return rest;
+}
+
 double working_voxels(const mesh::ImageGrid& ct, double spacing_mm)
 {
     const auto [low, high] = world_box(ct);

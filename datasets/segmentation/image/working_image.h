@@ -22,6 +22,17 @@ struct WorkingImage {
     Extent extent() const { return { grid.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } }; }
 };
 
+/// The planes at the head's and the foot's end of a CT that have one value throughout: images are padded so where they
+/// were moved onto others. Along the axis of the grid that lies nearest to head and feet. An image of one value has
+/// none.
+struct EmptyEnds {
+    int axis = 2;
+    int before = 0, after = 0; ///< number of planes
+};
+EmptyEnds empty_ends(const mesh::Volume& ct);
+/// The CT without these planes. The body does not end there, so no skin lies there.
+mesh::Volume without(const mesh::Volume& ct, const EmptyEnds& ends);
+
 /// Resamples the CT to an isotropic grid over the CT's box in the world. Voxels finer than the grid are averaged first,
 /// so that noise does not grow and thin layers do not fall between samples. Voxels outside the CT have kOutsideHu.
 WorkingImage working_image(const mesh::Volume& ct, double spacing_mm, int threads);

@@ -336,6 +336,70 @@ namespace autosegment_test {
         EXPECT_GT(dice(average_segmentation().labels, found, wall()), kRoundOff);
     }
 
+    /// The phantom with planes of air on all sides. @param noise whether the air's value varies
+    mesh::Volume padded_phantom(bool noise)
+    {
+        const mesh::Volume& ct = average_phantom().ct;
+        constexpr int kPadding = 10; // planes
+        mesh::Volume padded;
+        padded.grid = ct.grid;
+        for (int& size : padded.grid.size)
+            size += 2 * kPadding;
+        padded.grid.origin = ct.grid.world(Vec3::Constant(-kPadding));
+        padded.voxels.assign(padded.grid.voxel_count(), segmentation::kOutsideHu);
+        if (noise)
+            for (std::size_t v = 0; v < padded.voxels.size(); v += 7)
+                padded.voxels[v] = static_cast<std::int16_t>(segmentation::kOutsideHu + 10);
+        for (int k = 0; k < ct.grid.size[2]; ++k)
+            for (int j = 0; j < ct.grid.size[1]; ++j)
+                for (int i = 0; i < ct.grid.size[0]; ++i)
+                    padded.voxels[padded.grid.offset(i + kPadding, j + kPadding, k + kPadding)]
+                        = ct.voxels[ct.grid.offset(i, j, k)];
+        return padded;
+    }
+
+    TEST(Autosegment, EmptySlicesAtTheEndsChangeNothing)
+    {
+        // Images are padded so where they were moved onto others.
+        const Segmentation result = autosegment(padded_phantom(false), { .spacing_mm = kTestSpacing });
+        const mesh::LabelVolume found = resample_labels_to(result.labels, average_segmentation().labels.grid);
+        constexpr double kNearly = 0.99; // the air beside the body may move a voxel at its rim
+        for (const char* name : { "spine", "sternum", "rib_left_5", "rib_right_5", "lung_left", "skin" })
+            EXPECT_GT(dice(average_segmentation().labels, found, named(name)), kNearly) << name;
+        ASSERT_FALSE(result.warnings.empty());
+        EXPECT_EQ(result.warnings.front(),
+            "the image has 20 empty slices at its ends: they were left out, and the body goes on beyond");
+    }
+
+    TEST(Autosegment, SpineAndRibsAreFoundBesideSlicesOfAir)
+    {
+        // Air that is not of one value may be all that is there, so the body is taken to end before it.
+        const Segmentation result = autosegment(padded_phantom(true), { .spacing_mm = kTestSpacing });
+        const mesh::LabelVolume found = resample_labels_to(result.labels, average_segmentation().labels.grid);
+        constexpr double kMostly = 0.9; // the skin over the ends takes a layer of the bones there
+        for (const char* name : { "spine", "sternum", "rib_left_5", "rib_right_5", "lung_left" })
+            EXPECT_GT(dice(average_segmentation().labels, found, named(name)), kMostly) << name;
+    }
+
+    TEST(EmptyEnds, AnImageOfOneValueHasNone)
+    {
+        mesh::Volume ct;
+        ct.grid.size = { 2, 3, 4 };
+        ct.voxels.assign(ct.grid.voxel_count(), 0);
+        const segmentation::EmptyEnds none = segmentation::empty_ends(ct);
+        EXPECT_EQ(none.before + none.after, 0);
+        ct.grid.direction.col(0).swap(ct.grid.direction.col(2)); // the first axis points to the head
+        ct.voxels[ct.grid.offset(1, 2, 3)] = 5;
+        const segmentation::EmptyEnds ends = segmentation::empty_ends(ct);
+        EXPECT_EQ(ends.axis, 0);
+        EXPECT_EQ(ends.before, 1);
+        EXPECT_EQ(ends.after, 0);
+        const mesh::Volume rest = segmentation::without(ct, ends);
+        EXPECT_EQ(rest.grid.size, (std::array<int, 3> { 1, 3, 4 }));
+        EXPECT_EQ(rest.voxels.back(), 5);
+        EXPECT_EQ(rest.grid.world(Vec3::Zero()), ct.grid.world(Vec3(1, 0, 0)));
+    }
+
     TEST(Autosegment, MetalOnTheSkinIsNoBone)
     {
         mesh::Volume ct = average_phantom().ct;

@@ -118,14 +118,6 @@ namespace {
                 if (const std::int32_t p = parent(s); p >= 0)
                     children_[static_cast<std::size_t>(p)].push_back(s);
         }
-        Fronts(const Fronts&) = delete;
-        Fronts& operator=(const Fronts&) = delete;
-        ~Fronts()
-        {
-            for (FrontUpdate& update : updates_) // of a factorisation that stopped, or of fronts without a parent
-                memory_.give_back(std::move(update));
-        }
-
         /// Factors all fronts. @return as PartialFactor::stopped_at
         Eigen::Index factor_all()
         {
@@ -153,6 +145,13 @@ namespace {
                 std::rethrow_exception(failed);
             stop = std::max(stop, other_stop);
             return stop >= 0 ? stop : all_of(parts.above, at, Cores::two);
+        }
+
+        /// Gives back the memory of the updates that no parent has added. Call where the factorisation stopped.
+        void give_back_updates()
+        {
+            for (FrontUpdate& update : updates_)
+                memory_.give_back(std::move(update));
         }
 
         /// Sum of the updates of all fronts without a parent. @pre factor_all() succeeded
@@ -263,6 +262,8 @@ PartialFactor factor_before(const Supernodes& f, double* x, Eigen::Index end, co
     partial.stopped_at = fronts.factor_all();
     if (partial.stopped_at < 0)
         partial.trailing = fronts.trailing();
+    else
+        fronts.give_back_updates();
     return partial;
 }
 

@@ -211,14 +211,15 @@ namespace {
         /// vessels. Those of the saw from labels are measured so already.
         void measure_risks(FoundIncision& incision, const std::vector<ApertureSection>& sections)
         {
+            const ApertureKind kind
+                = incision.kind == FoundIncision::Kind::sternum ? ApertureKind::sternum : ApertureKind::skin;
             std::vector<RiskDistance>& risks = incision.candidate.field.at_risk;
             try {
-                const ApertureKind kind
-                    = incision.kind == FoundIncision::Kind::sternum ? ApertureKind::sternum : ApertureKind::skin;
-                std::vector<RiskDistance> all = kind == ApertureKind::sternum ? risks : scorer.exact_risks(sections);
+                if (kind != ApertureKind::sternum)
+                    risks = scorer.exact_risks(sections);
                 const std::vector<RiskDistance> assumed = scorer.assumed_risks(sections, kind);
-                all.insert(all.end(), assumed.begin(), assumed.end());
-                risks = nearest_risks(std::move(all));
+                risks.insert(risks.end(), assumed.begin(), assumed.end());
+                risks = nearest_risks(std::move(risks));
             } catch (const InputError&) { // a blade that folds over itself is refused when its approach is made
                 return;
             }

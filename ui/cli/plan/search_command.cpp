@@ -153,8 +153,7 @@ namespace {
         if (std::ranges::any_of(search.found,
                 [](const planner::FoundIncision& one) { return one.space && one.space->number <= kHighSpace; }))
             text += "Other structures without a label are not considered: vessels and nerves of the arm cross the "
-                    "first two "
-                    "spaces.\n";
+                    "first two spaces.\n";
         return text;
     }
 

@@ -483,7 +483,7 @@ Segmentation autosegment(const mesh::Volume& ct, const AutosegmentOptions& optio
     Segmentation found = Segmenter(segmentation::without(ct, ends), options, job).run();
     found.warnings.insert(found.warnings.begin(),
         "the image has " + std::to_string(ends.before + ends.after)
-            + " empty slices at its ends: they were left out, and the body goes on beyond");
+            + " empty slices at its ends: they were left out, and the body is taken to go on there");
     return found;
 }
 

@@ -368,7 +368,7 @@ namespace autosegment_test {
             EXPECT_GT(dice(average_segmentation().labels, found, named(name)), kNearly) << name;
         ASSERT_FALSE(result.warnings.empty());
         EXPECT_EQ(result.warnings.front(),
-            "the image has 20 empty slices at its ends: they were left out, and the body goes on beyond");
+            "the image has 20 empty slices at its ends: they were left out, and the body is taken to go on there");
     }
 
     TEST(Autosegment, SpineAndRibsAreFoundBesideSlicesOfAir)
